@@ -1,0 +1,3 @@
+//! Shapes, rays and hits.
+mod mesh_data;
+pub use mesh_data::MeshData;

@@ -1,0 +1,157 @@
+//! The integrators and their settings, as files and `--set` give them.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// How the light is computed.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[schemars(tag = "type")]
+pub enum IntegratorDescription {
+    /// Photon mapping: walks from the lamps leave photons, walks from the camera gather them.
+    PhotonMap(PhotonMapSettings),
+    /// Path tracing with next-event estimation and multiple importance sampling: the reference.
+    Path(PathSettings),
+    /// Light tracing: walks from the lamps, each vertex connected to the camera.
+    Light(LightSettings),
+}
+
+impl Default for IntegratorDescription {
+    fn default() -> IntegratorDescription {
+        IntegratorDescription::PhotonMap(PhotonMapSettings::default())
+    }
+}
+
+/// Settings of `photon-map`.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct PhotonMapSettings {
+    /// Light paths a pass (default 100,000).
+    pub photons: u32,
+    /// Camera samples per pixel and pass (default 1).
+    pub samples: u32,
+    /// The weight of a photon by its distance (default epanechnikov).
+    pub kernel: KernelName,
+    /// How the radius is chosen (default shrinking).
+    pub bandwidth: BandwidthRule,
+    /// Number of photons for `bandwidth = "nearest"`, and for the choice of a radius where none is given (default 50).
+    pub k: u32,
+    /// The radius in scene units: of `fixed`, at the first pass of `shrinking`, at most of `nearest`. By default it
+    /// is chosen so that a typical estimate finds `k` photons in the first pass.
+    pub radius: Option<f32>,
+    /// How slowly `shrinking` shrinks, 0 to 1 (default 2/3, the optimum on surfaces).
+    pub alpha: f32,
+    /// Whether direct light comes from next-event estimation or from photons (default next-event).
+    pub direct: Direct,
+    /// The longest path, counted in scattering events (default 256).
+    pub max_bounces: u32,
+    /// The picture, or the photon map itself.
+    pub show: Show,
+}
+
+impl Default for PhotonMapSettings {
+    fn default() -> PhotonMapSettings {
+        PhotonMapSettings {
+            photons: 100_000,
+            samples: 1,
+            kernel: KernelName::Epanechnikov,
+            bandwidth: BandwidthRule::Shrinking,
+            k: 50,
+            radius: None,
+            alpha: 2.0 / 3.0,
+            direct: Direct::NextEvent,
+            max_bounces: DEFAULT_MAX_BOUNCES,
+            show: Show::Radiance,
+        }
+    }
+}
+
+const DEFAULT_MAX_BOUNCES: u32 = 256;
+
+/// Settings of `path`.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct PathSettings {
+    /// Camera samples per pixel and pass (default 1).
+    pub samples: u32,
+    /// The longest path, counted in scattering events (default 256).
+    pub max_bounces: u32,
+}
+
+impl Default for PathSettings {
+    fn default() -> PathSettings {
+        PathSettings { samples: 1, max_bounces: DEFAULT_MAX_BOUNCES }
+    }
+}
+
+/// Settings of `light`.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct LightSettings {
+    /// Light paths a pass; as many as the picture has pixels by default.
+    pub photons: Option<u32>,
+    /// The longest path, counted in scattering events (default 256).
+    pub max_bounces: u32,
+}
+
+impl Default for LightSettings {
+    fn default() -> LightSettings {
+        LightSettings { photons: None, max_bounces: DEFAULT_MAX_BOUNCES }
+    }
+}
+
+/// The name of a density-estimation kernel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum KernelName {
+    /// The same weight everywhere.
+    Box,
+    /// Falls linearly to zero.
+    Cone,
+    /// A Gaussian, cut at the radius.
+    Gaussian,
+    /// A parabola, 1 − s²: the least mean squared error.
+    #[default]
+    Epanechnikov,
+    /// (1 − s²)²: smooth at the edge.
+    Biweight,
+    /// A quarter wave of a cosine.
+    Cosine,
+}
+
+/// How the radius of an estimate is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BandwidthRule {
+    /// Always `radius`.
+    Fixed,
+    /// The distance of the k-th nearest photon, at most `radius`.
+    Nearest,
+    /// From `radius` downwards, pass by pass, so that the picture converges [Knaus & Zwicker 2011].
+    #[default]
+    Shrinking,
+}
+
+/// Where direct light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Direct {
+    /// Shadow rays to the lights.
+    #[default]
+    NextEvent,
+    /// Photons, as all other light.
+    Photons,
+}
+
+/// What `photon-map` draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Show {
+    /// The picture.
+    #[default]
+    Radiance,
+    /// Every photon as a dot.
+    Photons,
+    /// Only photons that met glass or a mirror before they landed.
+    Caustics,
+}
