@@ -52,9 +52,9 @@ pub struct Error {
     /// The file, where the fault is in one but no line is known (a binary mesh, a missing file).
     pub file: Option<PathBuf>,
     /// The line and column, where known; its `file` wins over [`Error::file`].
-    pub place: Option<Place>,
+    pub place: Option<Box<Place>>,
     /// The key in the [`SceneDescription`](crate::scene::SceneDescription), such as `shapes[2].radius`,
-    /// from which an importer finds the place.
+    /// from which an importer finds the place; with a `/` before it once it is complete.
     pub key: Option<String>,
 }
 
@@ -99,19 +99,29 @@ impl Error {
     /// The same error at this place, unless a more exact one is known already.
     #[must_use]
     pub fn with_place(mut self, place: Place) -> Error {
-        self.place.get_or_insert(place);
+        self.place.get_or_insert_with(|| Box::new(place));
         self
     }
 
-    /// The same error with `prefix.` put before its key, as the caller knows where the part belongs.
+    /// The same error with `prefix.` put before its key, as the caller knows where the part belongs. A key that
+    /// [starts at the root](Error::at_root) stays as it is.
     #[must_use]
     pub fn under(mut self, prefix: &str) -> Error {
         self.key = Some(match self.key {
+            Some(key) if key.starts_with('/') => key,
             Some(key) if key.starts_with('[') => format!("{prefix}{key}"),
             Some(key) => format!("{prefix}.{key}"),
             None => prefix.to_string(),
         });
         self
+    }
+}
+
+impl Error {
+    /// The same error, its key now complete: what is wrong stands elsewhere than where it is used.
+    #[must_use]
+    pub fn at_root(self) -> Error {
+        Error { key: self.key.map(|key| if key.starts_with('/') { key } else { format!("/{key}") }), ..self }
     }
 }
 

@@ -1,3 +1,29 @@
-//! Shapes, rays and hits.
+//! Surfaces as geometry alone: where a ray meets them, where points on them are.
+
+mod bounds;
+mod cylinder;
+mod disk;
+mod mesh;
 mod mesh_data;
+mod plane;
+mod quad;
+mod ray;
+mod shape;
+mod sphere;
+mod surfaces;
+
+pub use bounds::Bounds;
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use mesh::{Mesh, Triangle};
 pub use mesh_data::MeshData;
+pub use plane::Plane;
+pub use quad::Quad;
+pub use ray::{Ray, Surface};
+pub use shape::Shape;
+pub use sphere::Sphere;
+pub use surfaces::{Hit, Surfaces, SurfacesBuilder};
+
+/// How far rounding can put a computed surface point off its surface, relative to the size of the coordinates that
+/// it was computed from: sixteen units in the last place. Everything that is derived from it scales with the scene.
+const RELATIVE_ERROR: f32 = 1.0 / (1 << 20) as f32;

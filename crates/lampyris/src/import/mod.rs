@@ -32,7 +32,7 @@ impl Places {
 
     /// The place of `key`, or of the nearest part around it that has one.
     pub fn find(&self, key: &str) -> Option<&Place> {
-        let mut key = key;
+        let mut key = key.trim_start_matches('/');
         loop {
             if let Some(place) = self.0.get(key) {
                 return Some(place);

@@ -21,6 +21,8 @@ pub use integrator::{
 };
 pub use transform::Transform;
 
+pub use crate::texture::Wrap;
+
 /// A whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -351,19 +353,6 @@ pub enum TextureDescription {
         #[serde(default)]
         to_uv: Transform,
     },
-}
-
-/// What a texture is outside the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Wrap {
-    /// The picture again.
-    #[default]
-    Repeat,
-    /// The picture mirrored, then again.
-    Mirror,
-    /// The colour of the border.
-    Clamp,
 }
 
 /// A surface: a geometry with its material and emission.

@@ -1,5 +1,234 @@
-//! Scenes: what a file says, and what is rendered.
+//! Scenes: what a file says ([`SceneDescription`]) and what is rendered ([`Scene`]).
+
 mod assets;
+mod build;
 pub mod description;
+
+use glam::Vec3;
+
 pub use assets::{Assets, NoAssets};
+pub use build::{Built, build};
 pub use description::SceneDescription;
+
+use crate::camera::Camera;
+use crate::geometry::{Bounds, Ray, Surface, Surfaces};
+use crate::light::{Constant, Emission, Illumination, Light, LightId};
+use crate::material::{Bsdf, Lobes, MaterialId, Materials};
+use crate::math::{Distribution, Frame};
+use crate::sampler::Sampler;
+use crate::spectrum::Spectrum;
+
+/// A scene ready for light: immutable, everything checked and linked by number.
+#[derive(Debug)]
+pub struct Scene {
+    surfaces: Surfaces,
+    shapes: Vec<ShapeRecord>,
+    materials: Materials,
+    lights: Lights,
+    camera: Camera,
+}
+
+/// What a shape is besides its geometry.
+#[derive(Clone, Debug)]
+pub struct ShapeRecord {
+    /// Its material.
+    pub material: MaterialId,
+    /// The light that it is.
+    pub light: Option<LightId>,
+    /// Its name, for people.
+    pub name: Option<String>,
+}
+
+/// The lights and how one of them is chosen.
+#[derive(Debug)]
+struct Lights {
+    all: Vec<Light>,
+    /// Which one a photon leaves: proportional to the power.
+    emission: Distribution,
+    /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
+    selection: Distribution,
+}
+
+/// A point that a path has reached.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// The geometry there.
+    pub surface: Surface,
+    /// Around the shading normal.
+    pub frame: Frame,
+    /// The scattering there.
+    pub bsdf: Bsdf,
+    /// Back along the path, world coordinates, unit length.
+    pub to_previous: Vec3,
+    /// Along the segment that led here, scene units.
+    pub distance: f32,
+    /// The number of the shape.
+    pub shape: u32,
+}
+
+impl SurfacePoint {
+    /// The value of the smooth lobes in 1/sr for light between the previous point and `to_next` (world).
+    #[inline]
+    pub fn eval(&self, to_next: Vec3) -> Spectrum {
+        self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next))
+    }
+
+    /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.
+    #[inline]
+    pub fn pdf(&self, to_next: Vec3, follow: Lobes) -> f32 {
+        self.bsdf.pdf(self.frame.to_local(self.to_previous), self.frame.to_local(to_next), follow)
+    }
+
+    /// Cosine between a direction and the shading normal, positive on both sides.
+    #[inline]
+    pub fn cos(&self, direction: Vec3) -> f32 {
+        self.frame.normal.dot(direction).abs()
+    }
+
+    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth normals. Light
+    /// falls on the geometry, whereas shading reckons with its own normal; whoever compares the two needs this ratio.
+    #[inline]
+    pub fn geometric_over_shading(&self, direction: Vec3) -> f32 {
+        if self.surface.normal == self.surface.shading_normal {
+            return 1.0;
+        }
+        self.surface.normal.dot(direction).abs() / self.cos(direction).max(1e-4)
+    }
+}
+
+impl Scene {
+    /// The first surface along the ray.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint> {
+        let hit = self.surfaces.closest(ray, f32::INFINITY)?;
+        let surface = self.surfaces.surface(ray, &hit);
+        let to_previous = -ray.direction;
+        let frame = Frame::around(surface.shading_normal);
+        let front = surface.shading_normal.dot(to_previous) > 0.0;
+        let bsdf = self.materials.bsdf(self.shapes[hit.shape as usize].material, surface.uv, front);
+        Some(SurfacePoint { surface, frame, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
+    }
+
+    /// Whether light from `illumination` is kept from `from` by something that stands between.
+    #[inline]
+    pub fn shadowed(&self, from: &Surface, illumination: &Illumination) -> bool {
+        let origin = from.offset(illumination.to_light);
+        match illumination.target {
+            Some(target) => self.surfaces.occluded(origin, target),
+            None => self.surfaces.blocked(&Ray { origin, direction: illumination.to_light }, f32::INFINITY),
+        }
+    }
+
+    /// Whether anything stands between a surface and a point in free space.
+    pub fn occluded(&self, from: &Surface, to: Vec3) -> bool {
+        self.surfaces.occluded(from.offset(to - from.position), to)
+    }
+
+    /// A photon of any light, chosen by power.
+    #[inline]
+    pub fn emit(&self, sampler: &mut Sampler) -> Option<Emission> {
+        let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
+        let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
+        Some(Emission { flux: emission.flux / probability, ..emission })
+    }
+
+    /// Light that arrives at `at` from one of the lights, for next-event estimation.
+    #[inline]
+    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+        let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
+        let illumination = self.lights.all[light].emitter().illuminate(&self.surfaces, at, sampler)?;
+        Some(Illumination {
+            irradiance: illumination.irradiance / probability,
+            pdf: illumination.pdf.map(|pdf| pdf * probability),
+            ..illumination
+        })
+    }
+
+    /// Radiance that a surface emits back along the path that reached it.
+    #[inline]
+    pub fn emitted(&self, point: &SurfacePoint) -> Spectrum {
+        match self.area_light(point.shape) {
+            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous),
+            _ => Spectrum::ZERO,
+        }
+    }
+
+    /// Density per solid angle with which [`Scene::illuminate`], asked at `from`, finds this point of a light.
+    pub fn emitted_pdf(&self, from: Vec3, point: &SurfacePoint) -> f32 {
+        match self.area_light(point.shape) {
+            Some((light, Light::Area(area))) => {
+                self.lights.selection.probability(light) * area.pdf(&self.surfaces, from, &point.surface)
+            }
+            _ => 0.0,
+        }
+    }
+
+    #[inline]
+    fn area_light(&self, shape: u32) -> Option<(usize, &Light)> {
+        let light = self.shapes[shape as usize].light? as usize;
+        Some((light, &self.lights.all[light]))
+    }
+
+    /// Radiance that arrives from infinitely far away, in every direction.
+    pub fn background(&self) -> Spectrum {
+        self.constant_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance)
+    }
+
+    /// Density per solid angle with which [`Scene::illuminate`] finds a direction of the background.
+    pub fn background_pdf(&self) -> f32 {
+        self.constant_lights().map(|(index, _)| self.lights.selection.probability(index) * Constant::PDF).sum()
+    }
+
+    fn constant_lights(&self) -> impl Iterator<Item = (usize, &Constant)> {
+        self.lights.all.iter().enumerate().filter_map(|(index, light)| match light {
+            Light::Constant(constant) => Some((index, constant)),
+            _ => None,
+        })
+    }
+
+    /// Flux in W of all lights together.
+    pub fn power(&self) -> Spectrum {
+        self.lights.all.iter().fold(Spectrum::ZERO, |sum, light| sum + light.emitter().power(&self.surfaces))
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights.all
+    }
+
+    /// The shapes, beside their geometry in [`Scene::surfaces`].
+    pub fn shapes(&self) -> &[ShapeRecord] {
+        &self.shapes
+    }
+
+    /// The geometry.
+    pub fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
+    /// The materials.
+    pub fn materials(&self) -> &Materials {
+        &self.materials
+    }
+
+    /// The box around all finite shapes.
+    pub fn bounds(&self) -> Bounds {
+        self.surfaces.bounds()
+    }
+}
+
+impl Lights {
+    fn new(all: Vec<Light>, surfaces: &Surfaces) -> Lights {
+        let powers: Vec<f64> =
+            all.iter().map(|light| f64::from(light.emitter().power(surfaces).mean())).collect();
+        let total: f64 = powers.iter().sum();
+        let even = 1.0 / all.len().max(1) as f64;
+        let selection: Vec<f64> = powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
+        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), all }
+    }
+}

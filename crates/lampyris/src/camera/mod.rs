@@ -1,0 +1,173 @@
+//! The camera: a pinhole or a thin lens, spanned by three vectors as the course writes it.
+
+use glam::{Mat3, Vec2, Vec3};
+
+use crate::geometry::Ray;
+use crate::math::warp;
+
+/// A camera with its picture in pixels: (0, 0) is the top left corner of the picture, x goes right, y down.
+///
+/// The picture's points are `origin + forward + a·left + b·up`, a and b from -1 to 1. A pixel's value is the mean of
+/// the radiance over its area in the picture, and over the lens.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    origin: Vec3,
+    /// Columns left, up, forward.
+    axes: Mat3,
+    inverse: Mat3,
+    size: Vec2,
+    /// Unit normal of the picture plane, pointing forward.
+    normal: Vec3,
+    /// Distance of the picture plane from the origin.
+    depth: f32,
+    /// Area of a pixel in the picture plane.
+    pixel_area: f32,
+    lens: Lens,
+}
+
+/// The opening of a camera.
+#[derive(Clone, Copy, Debug)]
+struct Lens {
+    radius: f32,
+    /// Orthonormal, parallel to the picture plane.
+    x: Vec3,
+    y: Vec3,
+    /// Distance of the plane in focus over that of the picture plane.
+    focus: f32,
+}
+
+/// A point of the scene as the camera sees it, for light tracing.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Where in the picture, in pixels; may lie outside.
+    pub pixel: Vec2,
+    /// The point of the lens.
+    pub lens: Vec3,
+    /// Value of the pixel for an intensity of 1 W/sr towards the lens, in 1/m².
+    pub importance: f32,
+}
+
+impl Camera {
+    /// A camera for a picture of `width × height` pixels, with a lens of `lens_radius` (0 for a pinhole) in focus at
+    /// `focus_distance` along the normal of the picture plane.
+    ///
+    /// None if `left`, `up` and `forward` lie in a plane.
+    pub fn new(
+        origin: Vec3,
+        [left, up, forward]: [Vec3; 3],
+        [width, height]: [u32; 2],
+        lens_radius: f32,
+        focus_distance: f32,
+    ) -> Option<Camera> {
+        let axes = Mat3::from_cols(left, up, forward);
+        let volume = left.cross(up).dot(forward).abs();
+        // Compared with the product of the lengths, so that no unit comes into it.
+        if !(volume > 1e-6 * left.length() * up.length() * forward.length()) {
+            return None;
+        }
+        let normal = left.cross(up).normalize();
+        let normal = if normal.dot(forward) < 0.0 { -normal } else { normal };
+        let depth = normal.dot(forward);
+        let size = Vec2::new(width as f32, height as f32);
+        let pixel_area = 4.0 * left.cross(up).length() / (size.x * size.y);
+        let x = left.normalize();
+        let lens = Lens { radius: lens_radius, x, y: normal.cross(x), focus: focus_distance / depth };
+        Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, lens })
+    }
+
+    /// The ray through a point of the picture, in pixels, and a point of the unit square for the lens.
+    pub fn ray(&self, pixel: Vec2, lens: Vec2) -> Ray {
+        let across = Vec2::ONE - 2.0 * pixel / self.size;
+        let through = self.axes * across.extend(1.0);
+        if self.lens.radius == 0.0 {
+            return Ray { origin: self.origin, direction: through.normalize() };
+        }
+        let on_lens = self.on_lens(lens);
+        Ray { origin: self.origin + on_lens, direction: (through * self.lens.focus - on_lens).normalize() }
+    }
+
+    /// The point `at` as seen through a point of the lens; none from behind the camera.
+    pub fn see(&self, at: Vec3, lens: Vec2) -> Option<Seen> {
+        let on_lens = self.on_lens(lens);
+        let to_point = at - self.origin - on_lens;
+        let along = self.normal.dot(to_point);
+        if along <= 0.0 {
+            return None;
+        }
+        // Where the ray from the lens to the point meets the plane in focus, from the middle of the lens.
+        let focus_depth = self.depth * self.lens.focus;
+        let on_ray = to_point * (focus_depth / along);
+        let in_focus = on_lens + on_ray;
+        let local = self.inverse * in_focus;
+        let across = Vec2::new(local.x, local.y) / local.z;
+        // A pixel's area in the plane in focus, seen from the lens: dω = area · cos / distance².
+        let distance2 = on_ray.length_squared();
+        let cos = focus_depth / distance2.sqrt();
+        let area = self.pixel_area * self.lens.focus * self.lens.focus;
+        let per_solid_angle = distance2 / (area * cos);
+        Some(Seen {
+            pixel: 0.5 * (Vec2::ONE - across) * self.size,
+            lens: self.origin + on_lens,
+            importance: per_solid_angle / to_point.length_squared(),
+        })
+    }
+
+    /// Where the pinhole or the middle of the lens is.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    fn on_lens(&self, lens: Vec2) -> Vec3 {
+        if self.lens.radius == 0.0 {
+            return Vec3::ZERO;
+        }
+        let p = warp::disk(lens) * self.lens.radius;
+        self.lens.x * p.x + self.lens.y * p.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lab_camera(lens_radius: f32) -> Camera {
+        let axes = [Vec3::NEG_X, Vec3::Y, Vec3::new(0.0, 0.0, 3.0)];
+        Camera::new(Vec3::new(0.0, 0.0, -3.5), axes, [256, 256], lens_radius, 4.0).expect("a good camera")
+    }
+
+    #[test]
+    fn the_labs_left_edge_is_at_minus_x() {
+        let ray = lab_camera(0.0).ray(Vec2::new(0.0, 128.0), Vec2::ZERO);
+        assert!((ray.direction - Vec3::new(-1.0, 0.0, 3.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn what_a_ray_meets_is_seen_where_the_ray_went_through_the_picture() {
+        for camera in [lab_camera(0.0), lab_camera(0.2)] {
+            let (pixel, lens) = (Vec2::new(30.5, 200.25), Vec2::new(0.9, 0.3));
+            for distance in [1.0, 4.0, 20.0] {
+                let ray = camera.ray(pixel, lens);
+                let seen = camera.see(ray.at(distance), lens).expect("in front of the camera");
+                assert!((seen.pixel - pixel).length() < 1e-2, "{:?}", seen.pixel);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_of_a_uniform_wall_adds_up_to_its_radiance() {
+        // A wall at z = 0 of radiance 1: the pixel's value is ∫ importance · cos dA over all that falls into it.
+        let camera = lab_camera(0.0);
+        let side = 3.5 / 3.0 * 2.0 / 256.0;
+        let (mut sum, n) = (0.0, 16);
+        for i in 0..n {
+            for j in 0..n {
+                let offset = |step: i32| 1.0 + (step as f32 + 0.5) / n as f32;
+                let at = Vec3::new(offset(i), offset(j), 0.0) * side;
+                let seen = camera.see(at, Vec2::ZERO).expect("in front");
+                assert_eq!(seen.pixel.floor(), Vec2::new(129.0, 126.0));
+                sum += seen.importance * (seen.lens - at).normalize().z.abs() * side * side / (n * n) as f32;
+            }
+        }
+        assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+    }
+}

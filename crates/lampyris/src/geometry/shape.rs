@@ -1,0 +1,88 @@
+//! Any one of the geometries.
+
+use glam::Vec2;
+
+use super::{Bounds, Cylinder, Disk, Mesh, Plane, Quad, Ray, Sphere, Surface};
+
+/// The geometry of one shape of the scene.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// An infinite plane.
+    Plane(Plane),
+    /// A sphere.
+    Sphere(Sphere),
+    /// A parallelogram.
+    Quad(Quad),
+    /// A disk.
+    Disk(Disk),
+    /// The side of a cylinder.
+    Cylinder(Cylinder),
+    /// Triangles, which rays find through [`Surfaces`](super::Surfaces) alone.
+    Mesh(Mesh),
+}
+
+impl Shape {
+    /// Distance to it along the ray, if it is met before `max`; never for a mesh.
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray, max: f32) -> Option<f32> {
+        match self {
+            Shape::Plane(plane) => plane.intersect(ray, max),
+            Shape::Sphere(sphere) => sphere.intersect(ray, max),
+            Shape::Quad(quad) => quad.intersect(ray, max),
+            Shape::Disk(disk) => disk.intersect(ray, max),
+            Shape::Cylinder(cylinder) => cylinder.intersect(ray, max),
+            Shape::Mesh(_) => None,
+        }
+    }
+
+    /// The surface where the ray meets it: at `distance`, or on a mesh at that triangle and barycentric coordinates.
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, distance: f32, triangle: u32, barycentric: Vec2) -> Surface {
+        match self {
+            Shape::Plane(plane) => plane.surface(ray, distance),
+            Shape::Sphere(sphere) => sphere.surface(ray, distance),
+            Shape::Quad(quad) => quad.surface(ray, distance),
+            Shape::Disk(disk) => disk.surface(ray, distance),
+            Shape::Cylinder(cylinder) => cylinder.surface(ray, distance),
+            Shape::Mesh(mesh) => mesh.surface(triangle as usize, barycentric),
+        }
+    }
+
+    /// A point uniform by area; none on an infinite plane.
+    pub fn sample(&self, u: Vec2) -> Option<Surface> {
+        match self {
+            Shape::Plane(_) => None,
+            Shape::Sphere(sphere) => Some(sphere.sample(u)),
+            Shape::Quad(quad) => Some(quad.sample(u)),
+            Shape::Disk(disk) => Some(disk.sample(u)),
+            Shape::Cylinder(cylinder) => Some(cylinder.sample(u)),
+            Shape::Mesh(mesh) => Some(mesh.sample(u)),
+        }
+    }
+
+    /// Surface area in scene units squared; infinite for a plane.
+    pub fn area(&self) -> f32 {
+        match self {
+            Shape::Plane(_) => f32::INFINITY,
+            Shape::Sphere(sphere) => sphere.area(),
+            Shape::Quad(quad) => quad.area(),
+            Shape::Disk(disk) => disk.area(),
+            Shape::Cylinder(cylinder) => cylinder.area(),
+            Shape::Mesh(mesh) => mesh.area(),
+        }
+    }
+
+    /// The box around it; none around an infinite plane.
+    pub fn bounds(&self) -> Option<Bounds> {
+        match self {
+            Shape::Plane(_) => None,
+            Shape::Sphere(sphere) => Some(sphere.bounds()),
+            Shape::Quad(quad) => Some(quad.bounds()),
+            Shape::Disk(disk) => Some(disk.bounds()),
+            Shape::Cylinder(cylinder) => Some(cylinder.bounds()),
+            Shape::Mesh(mesh) => Some(
+                (0..mesh.len()).fold(Bounds::EMPTY, |bounds, index| bounds.union(mesh.triangle(index).bounds())),
+            ),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The spot light.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+
+use super::{Emission, Emit, Illumination, point};
+use crate::geometry::{Ray, Surfaces};
+use crate::math::{Frame, warp};
+use crate::sampler::Sampler;
+use crate::spectrum::Spectrum;
+
+/// A point that shines into a cone: fully near the axis, then falling linearly in the angle to nothing at the edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    position: Vec3,
+    axis: Frame,
+    intensity: Spectrum,
+    cutoff: f32,
+    beam_width: f32,
+}
+
+impl Spot {
+    /// A spot at `position` that shines along `direction` (unit length) with `intensity` in W/sr on the axis. Angles to
+    /// the axis in radians, 0 ≤ `beam_width` ≤ `cutoff` ≤ π/2.
+    pub fn new(position: Vec3, direction: Vec3, intensity: Spectrum, cutoff: f32, beam_width: f32) -> Spot {
+        Spot { position, axis: Frame::around(direction), intensity, cutoff, beam_width }
+    }
+
+    /// Flux of a spot of intensity 1 with these angles, in W: ∫ falloff dω.
+    pub fn unit_power(cutoff: f32, beam_width: f32) -> f32 {
+        // ∫ (c - θ)/(c - b) sin θ dθ over b..c = cos b - (sin c - sin b)/(c - b), plus the full part 1 - cos b.
+        let (c, b) = (f64::from(cutoff), f64::from(beam_width));
+        let edge = if c - b > 1e-6 { (c.sin() - b.sin()) / (c - b) } else { c.cos() };
+        (std::f64::consts::TAU * (1.0 - edge)) as f32
+    }
+
+    fn falloff(&self, direction: Vec3) -> f32 {
+        let angle = self.axis.normal.cross(direction).length().atan2(self.axis.normal.dot(direction));
+        if angle >= self.cutoff {
+            0.0
+        } else if angle <= self.beam_width {
+            1.0
+        } else {
+            (self.cutoff - angle) / (self.cutoff - self.beam_width)
+        }
+    }
+}
+
+impl Emit for Spot {
+    fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
+        let cos_max = self.cutoff.cos();
+        let direction = self.axis.to_world(warp::cone(sampler.square(), cos_max));
+        let flux = self.intensity * (self.falloff(direction) * TAU * (1.0 - cos_max));
+        (!flux.is_zero()).then_some(Emission { ray: Ray { origin: self.position, direction }, flux })
+    }
+
+    fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
+        point::from_point(self.position, at, |direction| self.intensity * self.falloff(direction))
+            .filter(|illumination| !illumination.irradiance.is_zero())
+    }
+
+    fn power(&self, _: &Surfaces) -> Spectrum {
+        self.intensity * Spot::unit_power(self.cutoff, self.beam_width)
+    }
+}

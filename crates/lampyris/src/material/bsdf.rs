@@ -1,0 +1,246 @@
+//! The scattering function at one point: a mix of models, without textures.
+
+use glam::{Vec2, Vec3};
+
+use super::{Coefficients, Conductor, Diffuse, Event, Glass, Hole, Lobes, Mirror, Plastic, ThinGlass};
+use crate::sampler::Sampler;
+use crate::spectrum::Spectrum;
+
+/// How much of the light takes part in each event, by [`Event::index`]. For delta events this is the weight of the
+/// path; for smooth ones a good estimate of it, which steers the choice alone.
+pub type Shares = [Spectrum; 4];
+
+/// A model of scattering. Directions are local (normal +z), of unit length, and point away from the surface; models
+/// are symmetric in their two directions but for the solid angle that refraction changes, which the walk corrects.
+pub trait Scatter {
+    /// The share of each event in the light that continues towards, or comes from, `to_previous`.
+    fn shares(&self, to_previous: Vec3) -> Shares;
+
+    /// The value of the smooth lobes in 1/sr, without a cosine.
+    fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum;
+
+    /// The density per solid angle with which [`Scatter::sample`] draws `to_next` for this smooth event.
+    fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32;
+
+    /// A direction for this event, with the index of refraction on its side over that of `to_previous`; none if the
+    /// event is not possible from here.
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)>;
+}
+
+/// The closed set of models, as plain data.
+#[derive(Clone, Copy, Debug)]
+pub enum Model {
+    /// Lambert's.
+    Diffuse(Diffuse),
+    /// A perfect mirror.
+    Mirror(Mirror),
+    /// A smooth dielectric boundary.
+    Glass(Glass),
+    /// A thin dielectric pane.
+    ThinGlass(ThinGlass),
+    /// A smooth metal.
+    Conductor(Conductor),
+    /// A diffuse base under a smooth dielectric coat.
+    Plastic(Plastic),
+    /// The course's coefficients.
+    Coefficients(Coefficients),
+    /// Nothing: light passes straight through.
+    Hole(Hole),
+}
+
+impl Model {
+    /// The model as what it does.
+    #[inline]
+    pub fn scatter(&self) -> &dyn Scatter {
+        match self {
+            Model::Diffuse(model) => model,
+            Model::Mirror(model) => model,
+            Model::Glass(model) => model,
+            Model::ThinGlass(model) => model,
+            Model::Conductor(model) => model,
+            Model::Plastic(model) => model,
+            Model::Coefficients(model) => model,
+            Model::Hole(model) => model,
+        }
+    }
+
+    /// The events that can happen at all.
+    #[inline]
+    pub fn lobes(&self) -> Lobes {
+        match self {
+            Model::Diffuse(_) => Event::Diffuse.into(),
+            Model::Mirror(_) | Model::Conductor(_) => Event::Specular.into(),
+            Model::Glass(_) | Model::ThinGlass(_) => Lobes::DELTA,
+            Model::Plastic(_) => Lobes::from(Event::Diffuse) | Event::Specular.into(),
+            Model::Coefficients(model) => model.lobes(),
+            Model::Hole(_) => Event::Refraction.into(),
+        }
+    }
+}
+
+/// One part of a [`Bsdf`].
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Its share, 0 to 1.
+    pub weight: f32,
+    /// Whether it lies upside down: a material of the back, seen from there.
+    pub flipped: bool,
+    /// What it is.
+    pub model: Model,
+}
+
+/// How many parts a mix can have.
+pub const MAX_PARTS: usize = 4;
+
+/// The scattering function at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    parts: [Part; MAX_PARTS],
+    count: u8,
+    lobes: Lobes,
+}
+
+/// A direction in which a path goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// The direction: local from [`Bsdf::sample`], of unit length.
+    pub to_next: Vec3,
+    /// What the throughput is multiplied by: value × cosine / density.
+    pub weight: Spectrum,
+    /// Density per solid angle; for delta events the probability of the event.
+    pub pdf: f32,
+    /// What happened.
+    pub event: Event,
+    /// Index of refraction on the new side over that of the old one; 1 unless refracted.
+    pub ior_ratio: f32,
+}
+
+impl Bsdf {
+    /// Of one model alone.
+    pub fn of(model: Model) -> Bsdf {
+        let mut bsdf = Bsdf::empty();
+        bsdf.push(Part { weight: 1.0, flipped: false, model });
+        bsdf
+    }
+
+    /// Without any part: black.
+    pub(super) fn empty() -> Bsdf {
+        let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
+        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE }
+    }
+
+    /// Adds a part.
+    ///
+    /// # Panics
+    /// Beyond [`MAX_PARTS`].
+    pub(super) fn push(&mut self, part: Part) {
+        self.lobes = self.lobes | part.model.lobes();
+        self.parts[usize::from(self.count)] = part;
+        self.count += 1;
+    }
+
+    fn parts(&self) -> &[Part] {
+        &self.parts[..usize::from(self.count)]
+    }
+
+    /// The events that can happen.
+    #[inline]
+    pub fn lobes(&self) -> Lobes {
+        self.lobes
+    }
+
+    /// The value of the smooth lobes in 1/sr, without a cosine.
+    #[inline]
+    pub fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        let mut value = Spectrum::ZERO;
+        for part in self.parts() {
+            value += part.model.scatter().eval(part.turned(to_previous), part.turned(to_next)) * part.weight;
+        }
+        value
+    }
+
+    /// The density per solid angle with which [`Bsdf::sample`], allowed to `follow` these lobes, draws `to_next`
+    /// through a smooth event.
+    pub fn pdf(&self, to_previous: Vec3, to_next: Vec3, follow: Lobes) -> f32 {
+        let weights = self.weights(to_previous, follow);
+        let total: f32 = weights.iter().flatten().sum();
+        if total <= 0.0 {
+            return 0.0;
+        }
+        self.smooth_pdf(&weights, to_previous, to_next) / total
+    }
+
+    /// One event out of those that may be followed, with a direction; none if nothing can be followed. What absorbs
+    /// light is the roulette of the walk, not this choice.
+    pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        let weights = self.weights(to_previous, follow);
+        let (slot, probability, total) = choose_event(weights.as_flattened(), sampler.uniform())?;
+        let (part, event) = (&self.parts[slot / 4], Event::ALL[slot % 4]);
+        let local = part.turned(to_previous);
+        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square())?;
+        let to_next = part.turned(to_next);
+        if Lobes::DELTA.contains(event) {
+            let weight = part.model.scatter().shares(local)[event.index()] * (part.weight / probability);
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio });
+        }
+        let pdf = self.smooth_pdf(&weights, to_previous, to_next) / total;
+        let weight = self.eval(to_previous, to_next) * (to_next.z.abs() / pdf);
+        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio })
+    }
+
+    /// The weight of every event of every part in the choice of one.
+    #[inline]
+    fn weights(&self, to_previous: Vec3, follow: Lobes) -> [[f32; 4]; MAX_PARTS] {
+        let mut weights = [[0.0; 4]; MAX_PARTS];
+        for (part, weights) in self.parts().iter().zip(&mut weights) {
+            let shares = part.model.scatter().shares(part.turned(to_previous));
+            for event in Event::ALL {
+                if follow.contains(event) {
+                    weights[event.index()] = part.weight * shares[event.index()].max();
+                }
+            }
+        }
+        weights
+    }
+
+    /// The densities of all smooth events, times their unnormalised weights.
+    fn smooth_pdf(&self, weights: &[[f32; 4]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
+        let mut pdf = 0.0;
+        for (part, weights) in self.parts().iter().zip(weights) {
+            for event in [Event::Diffuse, Event::Glossy] {
+                let weight = weights[event.index()];
+                if weight > 0.0 {
+                    pdf += weight * part.model.scatter().pdf(event, part.turned(to_previous), part.turned(to_next));
+                }
+            }
+        }
+        pdf
+    }
+}
+
+impl Part {
+    #[inline]
+    fn turned(&self, direction: Vec3) -> Vec3 {
+        if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }
+    }
+}
+
+/// The one choice of an event, for both walks: a slot with a probability proportional to its weight, that
+/// probability, and the sum of the weights. None if all are zero.
+#[inline]
+pub fn choose_event(weights: &[f32], u: f32) -> Option<(usize, f32, f32)> {
+    let total: f32 = weights.iter().sum();
+    let mut left = u * total;
+    let mut chosen = None;
+    for (slot, &weight) in weights.iter().enumerate() {
+        if weight > 0.0 {
+            chosen = Some(slot);
+            if left < weight {
+                break;
+            }
+            left -= weight;
+        }
+    }
+    let slot = chosen?;
+    Some((slot, weights[slot] / total, total))
+}

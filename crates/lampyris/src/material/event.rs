@@ -1,0 +1,69 @@
+//! What can happen to light at a vertex, and sets of such events.
+
+use std::ops::BitOr;
+
+/// What happens to light at a vertex of its path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Event {
+    /// Scattered over the whole hemisphere.
+    Diffuse,
+    /// Scattered around a direction.
+    Glossy,
+    /// Mirrored.
+    Specular,
+    /// Sent through the surface in one direction.
+    Refraction,
+}
+
+impl Event {
+    /// All events; their order is that of [`Event::index`].
+    pub const ALL: [Event; 4] = [Event::Diffuse, Event::Glossy, Event::Specular, Event::Refraction];
+
+    /// Its place in [`Event::ALL`].
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// A set of events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lobes(u8);
+
+impl Lobes {
+    /// Nothing: the path ends.
+    pub const NONE: Lobes = Lobes(0);
+    /// Events that scatter into a range of directions: where photons are stored and light is gathered.
+    pub const SMOOTH: Lobes = Lobes(0b0011);
+    /// Events with one possible direction: both walks pass through them.
+    pub const DELTA: Lobes = Lobes(0b1100);
+    /// All events.
+    pub const ALL: Lobes = Lobes(0b1111);
+
+    /// Whether the event is in the set.
+    pub const fn contains(self, event: Event) -> bool {
+        self.0 & (1 << event.index()) != 0
+    }
+
+    /// Whether the sets share an event.
+    pub const fn meets(self, other: Lobes) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Whether the set is empty.
+    pub const fn is_none(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl From<Event> for Lobes {
+    fn from(event: Event) -> Lobes {
+        Lobes(1 << event.index())
+    }
+}
+
+impl BitOr for Lobes {
+    type Output = Lobes;
+    fn bitor(self, other: Lobes) -> Lobes {
+        Lobes(self.0 | other.0)
+    }
+}

@@ -1,0 +1,185 @@
+//! Materials: with textures and by number in the scene, and what they are at one point.
+
+mod bsdf;
+mod coefficients;
+mod delta;
+mod diffuse;
+mod event;
+mod glass;
+mod plastic;
+
+use glam::Vec2;
+
+pub use bsdf::{Bsdf, MAX_PARTS, Model, Part, Scatter, Scattered, Shares, choose_event};
+pub use coefficients::Coefficients;
+pub use delta::{Conductor, Hole, Mirror};
+pub use diffuse::Diffuse;
+pub use event::{Event, Lobes};
+pub use glass::{Glass, ThinGlass};
+pub use plastic::Plastic;
+
+use crate::spectrum::Spectrum;
+use crate::texture::Texture;
+
+/// The number of a material in [`Materials`].
+pub type MaterialId = u32;
+
+/// How a surface scatters light, with its textures.
+#[derive(Clone, Debug)]
+pub enum Material {
+    /// See [`Diffuse`].
+    Diffuse {
+        /// Share of the light that is reflected.
+        reflectance: Texture,
+    },
+    /// See [`Mirror`].
+    Mirror {
+        /// Share of the light that is reflected.
+        reflectance: Texture,
+    },
+    /// See [`Glass`].
+    Glass {
+        /// Index below the normal over that above it.
+        ior: f32,
+        /// Tint of the reflected light.
+        reflectance: Texture,
+        /// Tint of the refracted light.
+        transmittance: Texture,
+    },
+    /// See [`ThinGlass`].
+    ThinGlass {
+        /// Index of the pane over that around it.
+        ior: f32,
+        /// Tint of the reflected light.
+        reflectance: Texture,
+        /// Tint of the transmitted light.
+        transmittance: Texture,
+    },
+    /// See [`Conductor`].
+    Conductor {
+        /// Real part of the index.
+        eta: Spectrum,
+        /// Imaginary part of the index.
+        k: Spectrum,
+        /// Tint.
+        reflectance: Texture,
+    },
+    /// See [`Plastic`].
+    Plastic {
+        /// Colour of the base.
+        reflectance: Texture,
+        /// Tint of the mirror reflection.
+        specular: Texture,
+        /// Index of the coat over that outside.
+        ior: f32,
+        /// [`Plastic::inner_reflectance`] of `ior`.
+        inner_reflectance: f32,
+        /// Whether inner reflections saturate the colour.
+        nonlinear: bool,
+    },
+    /// See [`Coefficients`].
+    Coefficients(Coefficients),
+    /// One material on the side of the normal, another on the back.
+    TwoSided {
+        /// Seen from the side of the normal.
+        front: MaterialId,
+        /// Seen from the other side.
+        back: MaterialId,
+    },
+    /// A material with holes.
+    Mask {
+        /// 1 where the material is.
+        opacity: Texture,
+        /// What is not hole.
+        material: MaterialId,
+    },
+    /// A mix of two materials.
+    Blend {
+        /// Share of the second.
+        weight: Texture,
+        /// At weight 0.
+        first: MaterialId,
+        /// At weight 1.
+        second: MaterialId,
+    },
+}
+
+/// All materials of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Materials(Vec<Material>);
+
+impl Materials {
+    /// Adds a material, which may name only earlier ones, and returns its number.
+    pub fn add(&mut self, material: Material) -> MaterialId {
+        self.0.push(material);
+        (self.0.len() - 1) as MaterialId
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// How many parts the [`Bsdf`] of a material has at most.
+    pub fn parts(&self, id: MaterialId) -> usize {
+        match &self.0[id as usize] {
+            Material::TwoSided { front, back } => self.parts(*front).max(self.parts(*back)),
+            Material::Mask { material, .. } => self.parts(*material) + 1,
+            Material::Blend { first, second, .. } => self.parts(*first) + self.parts(*second),
+            _ => 1,
+        }
+    }
+
+    /// What the material is at a point, seen from the side of the normal (`front`) or the other one. Looks all
+    /// textures up.
+    #[inline]
+    pub fn bsdf(&self, id: MaterialId, uv: Vec2, front: bool) -> Bsdf {
+        let mut bsdf = Bsdf::empty();
+        self.collect(id, uv, front, 1.0, false, &mut bsdf);
+        bsdf
+    }
+
+    fn collect(&self, id: MaterialId, uv: Vec2, front: bool, weight: f32, flipped: bool, bsdf: &mut Bsdf) {
+        let model = match &self.0[id as usize] {
+            Material::TwoSided { front: material, .. } if front => {
+                return self.collect(*material, uv, true, weight, flipped, bsdf);
+            }
+            Material::TwoSided { back, .. } => return self.collect(*back, uv, true, weight, !flipped, bsdf),
+            Material::Mask { opacity, material } => {
+                let opacity = opacity.at(uv).mean();
+                self.collect(*material, uv, front, weight * opacity, flipped, bsdf);
+                return bsdf.push(Part { weight: weight * (1.0 - opacity), flipped, model: Model::Hole(Hole) });
+            }
+            Material::Blend { weight: share, first, second } => {
+                let share = share.at(uv).mean();
+                self.collect(*first, uv, front, weight * (1.0 - share), flipped, bsdf);
+                return self.collect(*second, uv, front, weight * share, flipped, bsdf);
+            }
+            Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
+            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.at(uv) }),
+            Material::Glass { ior, reflectance, transmittance } => Model::Glass(Glass {
+                ior: *ior,
+                reflectance: reflectance.at(uv),
+                transmittance: transmittance.at(uv),
+            }),
+            Material::ThinGlass { ior, reflectance, transmittance } => Model::ThinGlass(ThinGlass {
+                ior: *ior,
+                reflectance: reflectance.at(uv),
+                transmittance: transmittance.at(uv),
+            }),
+            Material::Conductor { eta, k, reflectance } => {
+                Model::Conductor(Conductor { eta: *eta, k: *k, reflectance: reflectance.at(uv) })
+            }
+            Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => Model::Plastic(
+                Plastic::new(reflectance.at(uv), specular.at(uv), *ior, *inner_reflectance, *nonlinear),
+            ),
+            Material::Coefficients(coefficients) => Model::Coefficients(*coefficients),
+        };
+        bsdf.push(Part { weight, flipped, model });
+    }
+}

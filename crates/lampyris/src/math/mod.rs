@@ -1,0 +1,9 @@
+//! Mathematics that light transport needs beyond vectors (those are `glam`'s).
+
+mod distribution;
+mod frame;
+pub mod fresnel;
+pub mod warp;
+
+pub use distribution::Distribution;
+pub use frame::Frame;

@@ -1,0 +1,105 @@
+//! From the unit square to where samples are needed, preserving stratification, with the densities.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+use glam::{Vec2, Vec3};
+
+/// Uniform on the unit disk, by the concentric map [Shirley & Chiu 1997]. Density 1/π per area.
+pub fn disk(u: Vec2) -> Vec2 {
+    let p = 2.0 * u - Vec2::ONE;
+    if p == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if p.x.abs() > p.y.abs() {
+        (p.x, FRAC_PI_4 * (p.y / p.x))
+    } else {
+        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+/// Cosine-weighted on the hemisphere around +z [Malley's method]; density [`cosine_hemisphere_pdf`].
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let p = disk(u);
+    p.extend((1.0 - p.length_squared()).max(1e-12).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`] per solid angle, at the cosine `z` (0 below the horizon).
+pub fn cosine_hemisphere_pdf(z: f32) -> f32 {
+    z.max(0.0) / PI
+}
+
+/// Uniform on the unit sphere; density 1/4π per solid angle.
+pub fn sphere(u: Vec2) -> Vec3 {
+    on_sphere(1.0 - 2.0 * u.x, TAU * u.y)
+}
+
+/// Uniform in the cone around +z of directions with a cosine of at least `cos_max`; density [`cone_pdf`].
+pub fn cone(u: Vec2, cos_max: f32) -> Vec3 {
+    on_sphere(1.0 - u.x * (1.0 - cos_max), TAU * u.y)
+}
+
+/// Density of [`cone`] per solid angle.
+pub fn cone_pdf(cos_max: f32) -> f32 {
+    1.0 / (TAU * (1.0 - cos_max))
+}
+
+/// Uniform on the triangle, as barycentric coordinates of its second and third corner. Density 1/area.
+pub fn triangle(u: Vec2) -> Vec2 {
+    // [Heitz 2019]: fold the square along its diagonal with low distortion.
+    if u.y > u.x {
+        let x = 0.5 * u.x;
+        Vec2::new(x, u.y - x)
+    } else {
+        let y = 0.5 * u.y;
+        Vec2::new(u.x - y, y)
+    }
+}
+
+fn on_sphere(z: f32, angle: f32) -> Vec3 {
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    (radius * Vec2::from_angle(angle)).extend(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Sampler;
+
+    /// The mean of `value` over 40,000 samples and six standard errors of it (false alarm 2e-9).
+    fn mean_of(mut value: impl FnMut(Vec2) -> f32) -> (f64, f64) {
+        let mut sampler = Sampler::new(7, 0, 0, 0);
+        let (mut sum, mut squares, n) = (0.0, 0.0, 40_000);
+        for _ in 0..n {
+            let x = f64::from(value(sampler.square()));
+            sum += x;
+            squares += x * x;
+        }
+        let mean = sum / f64::from(n);
+        (mean, 6.0 * ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt())
+    }
+
+    #[test]
+    fn the_disk_has_mean_squared_radius_one_half() {
+        let (mean, error) = mean_of(|u| disk(u).length_squared());
+        assert!((mean - 0.5).abs() < error, "{mean} ± {error}");
+    }
+
+    #[test]
+    fn the_cosine_hemisphere_has_mean_cosine_two_thirds() {
+        let (mean, error) = mean_of(|u| cosine_hemisphere(u).z);
+        assert!((mean - 2.0 / 3.0).abs() < error, "{mean} ± {error}");
+    }
+
+    #[test]
+    fn the_cone_has_its_mean_cosine_in_the_middle() {
+        let (mean, error) = mean_of(|u| cone(u, 0.6).z);
+        assert!((mean - 0.8).abs() < error, "{mean} ± {error}");
+    }
+
+    #[test]
+    fn the_triangle_has_its_mean_at_one_third() {
+        let (mean, error) = mean_of(|u| triangle(u).x);
+        assert!((mean - 1.0 / 3.0).abs() < error, "{mean} ± {error}");
+    }
+}

@@ -1,0 +1,240 @@
+//! The photon map: photons sorted into a grid whose rows are contiguous.
+//!
+//! Cells are numbered x fastest, so that the cells of a query box form one slice of photons for every (y, z). On this
+//! kind of data (photons on surfaces, coherent queries) that beats a kd-tree two to one (`docs/performance.md`).
+
+use glam::{UVec3, Vec3};
+
+use super::{Nearest, Photon, Radius};
+use crate::geometry::Bounds;
+
+/// The photons of one pass, ready for queries. Immutable.
+#[derive(Debug)]
+pub struct PhotonMap {
+    photons: Vec<Photon>,
+    /// Positions of `photons` once more, close together for the search.
+    positions: Vec<Vec3>,
+    grid: Grid,
+    paths_emitted: u64,
+}
+
+/// Where in the sorted list the photons of each cell are.
+#[derive(Debug)]
+struct Grid {
+    origin: Vec3,
+    inverse_cell: f32,
+    size: UVec3,
+    /// `starts[cell]..starts[cell + 1]` are its photons; photons outside the box belong to the nearest cell.
+    starts: Vec<u32>,
+}
+
+impl PhotonMap {
+    /// Sorts the photons of `paths_emitted` light paths for queries with about this radius. Equal photons in equal
+    /// order give an equal map.
+    pub fn build(photons: Vec<Photon>, paths_emitted: u64, radius: Radius) -> PhotonMap {
+        let cell = match radius {
+            Radius::Fixed(radius) => radius,
+            Radius::Nearest { count, max_radius } => {
+                typical_distance(photons.iter().map(|photon| photon.position), photons.len(), count).min(max_radius)
+            }
+        };
+        let (grid, order) = Grid::sort(photons.iter().map(|photon| photon.position), photons.len(), cell);
+        let photons: Vec<Photon> = order.iter().map(|&index| photons[index as usize]).collect();
+        let positions = photons.iter().map(|photon| photon.position).collect();
+        PhotonMap { photons, positions, grid, paths_emitted }
+    }
+
+    /// All photons, sorted by cell.
+    pub fn photons(&self) -> &[Photon] {
+        &self.photons
+    }
+
+    /// How many light paths were emitted for it.
+    pub fn paths_emitted(&self) -> u64 {
+        self.paths_emitted
+    }
+
+    /// Calls `visit` with every photon nearer to `center` than `radius`, and its squared distance.
+    #[inline]
+    pub fn within(&self, center: Vec3, radius: f32, mut visit: impl FnMut(&Photon, f32)) {
+        let limit = radius * radius;
+        self.grid.rows(center, radius, |first, last| {
+            for index in first..last {
+                let distance_squared = self.positions[index].distance_squared(center);
+                if distance_squared < limit {
+                    visit(&self.photons[index], distance_squared);
+                }
+            }
+        });
+    }
+
+    /// Finds the radius of an estimate from the `count` nearest photons: the distance of the last of them, or
+    /// `max_radius` if there are fewer up to there. All photons that are nearer are left in `found`.
+    pub fn nearest<'f>(
+        &self,
+        center: Vec3,
+        count: usize,
+        max_radius: f32,
+        found: &'f mut Nearest,
+    ) -> (f32, impl Iterator<Item = (&Photon, f32)> + use<'_, 'f>) {
+        let mut reach = (1.25 / self.grid.inverse_cell).min(max_radius);
+        let radius_squared = loop {
+            found.collect(self, center, reach);
+            if found.candidates.len() >= count {
+                break found.nth_distance_squared(count);
+            }
+            if reach >= max_radius || found.candidates.len() == self.photons.len() {
+                break reach.min(max_radius).powi(2);
+            }
+            reach = (reach * 1.7).min(max_radius);
+        };
+        let photons = found
+            .candidates
+            .iter()
+            .filter(move |(distance_squared, _)| *distance_squared < radius_squared)
+            .map(|&(distance_squared, index)| (&self.photons[index as usize], distance_squared));
+        (radius_squared.sqrt(), photons)
+    }
+}
+
+impl Nearest {
+    /// Candidates in the order of the map, which does not depend on `reach`: sums over them keep their order.
+    fn collect(&mut self, map: &PhotonMap, center: Vec3, reach: f32) {
+        self.candidates.clear();
+        let limit = reach * reach;
+        map.grid.rows(center, reach, |first, last| {
+            for (offset, position) in map.positions[first..last].iter().enumerate() {
+                let distance_squared = position.distance_squared(center);
+                if distance_squared < limit {
+                    self.candidates.push((distance_squared, (first + offset) as u32));
+                }
+            }
+        });
+    }
+
+    fn nth_distance_squared(&mut self, count: usize) -> f32 {
+        self.distances.clear();
+        self.distances.extend(self.candidates.iter().map(|candidate| candidate.0));
+        *self.distances.select_nth_unstable_by(count.max(1) - 1, f32::total_cmp).1
+    }
+}
+
+/// At most this many cells for each photon.
+const CELLS_PER_PHOTON: usize = 8;
+
+impl Grid {
+    /// A grid of cells of about this size, and the order of the points in it.
+    fn sort(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize, cell: f32) -> (Grid, Vec<u32>) {
+        let bounds = robust_bounds(points.clone(), count);
+        let mut grid = Grid::sized(&bounds, cell, (CELLS_PER_PHOTON * count).max(64));
+        let cells: Vec<u32> = points.map(|point| grid.cell_of(point)).collect();
+        grid.starts = vec![0; grid.size.element_product() as usize + 1];
+        for &cell in &cells {
+            grid.starts[cell as usize + 1] += 1;
+        }
+        for cell in 1..grid.starts.len() {
+            grid.starts[cell] += grid.starts[cell - 1];
+        }
+        let mut next = grid.starts.clone();
+        let mut order = vec![0; count];
+        for (index, &cell) in cells.iter().enumerate() {
+            let place = &mut next[cell as usize];
+            order[*place as usize] = index as u32;
+            *place += 1;
+        }
+        (grid, order)
+    }
+
+    fn sized(bounds: &Bounds, cell: f32, max_cells: usize) -> Grid {
+        let extent = (bounds.max - bounds.min).max(Vec3::ZERO);
+        let longest = extent.max_element();
+        let mut cell = if cell.is_finite() && cell > 0.0 { cell } else { longest };
+        if !(cell > 0.0) {
+            // All photons in one point, or none.
+            cell = 1.0;
+        }
+        // Cells are never so small that the longest side has more of them than a thousand each way would allow.
+        cell = cell.max(longest / 4096.0);
+        let cells = |cell: f32| (extent / cell).floor().as_uvec3() + UVec3::ONE;
+        while cells(cell).as_u64vec3().element_product() > max_cells as u64 {
+            cell *= 1.25;
+        }
+        Grid { origin: bounds.min, inverse_cell: 1.0 / cell, size: cells(cell), starts: Vec::new() }
+    }
+
+    #[inline]
+    fn coordinates(&self, point: Vec3) -> UVec3 {
+        // Float to integer conversion saturates: what lies outside belongs to the border.
+        ((point - self.origin) * self.inverse_cell).max(Vec3::ZERO).as_uvec3().min(self.size - UVec3::ONE)
+    }
+
+    #[inline]
+    fn cell_of(&self, point: Vec3) -> u32 {
+        let at = self.coordinates(point);
+        (at.z * self.size.y + at.y) * self.size.x + at.x
+    }
+
+    /// Calls `visit` with ranges of photons that together hold all within `radius` of `center`.
+    #[inline]
+    fn rows(&self, center: Vec3, radius: f32, mut visit: impl FnMut(usize, usize)) {
+        let low = self.coordinates(center - radius);
+        let high = self.coordinates(center + radius);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                let row = (z * self.size.y + y) * self.size.x;
+                let first = self.starts[(row + low.x) as usize];
+                let last = self.starts[(row + high.x + 1) as usize];
+                if first < last {
+                    visit(first as usize, last as usize);
+                }
+            }
+        }
+    }
+}
+
+/// The box that holds nearly all points: a few far ones (photons run far on an infinite plane) must not make the cells
+/// of all others large.
+fn robust_bounds(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize) -> Bounds {
+    let sample: Vec<Vec3> = points.step_by((count / 4096).max(1)).collect();
+    let sorted = |axis: usize| {
+        let mut values: Vec<f32> = sample.iter().map(|point| point[axis]).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        values
+    };
+    let mut bounds = Bounds::EMPTY;
+    if sample.is_empty() {
+        return Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
+    }
+    for axis in 0..3 {
+        let values = sorted(axis);
+        let cut = values.len() / 200;
+        let (low, high) = (values[cut], values[values.len() - 1 - cut]);
+        let margin = 0.05 * (high - low);
+        bounds.min[axis] = (low - margin).max(values[0]);
+        bounds.max[axis] = (high + margin).min(values[values.len() - 1]);
+    }
+    bounds
+}
+
+/// About how far the `count`-th nearest photon is from a typical photon, as if they lay on a surface: the median over
+/// some photons of the distance to their eighth nearest within a thinned-out set, scaled.
+fn typical_distance(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize, nearest: usize) -> f32 {
+    const EIGHTH: usize = 8;
+    let thinning = (count / 4096).max(1);
+    let thinned: Vec<Vec3> = points.step_by(thinning).collect();
+    let mut distances: Vec<f32> = thinned
+        .iter()
+        .step_by((thinned.len() / 64).max(1))
+        .filter_map(|&center| {
+            let mut distances: Vec<f32> = thinned.iter().map(|point| point.distance_squared(center)).collect();
+            // The photon itself is the nearest.
+            (distances.len() > EIGHTH).then(|| *distances.select_nth_unstable_by(EIGHTH, f32::total_cmp).1)
+        })
+        .collect();
+    if distances.is_empty() {
+        return f32::INFINITY;
+    }
+    let middle = distances.len() / 2;
+    let median = *distances.select_nth_unstable_by(middle, f32::total_cmp).1;
+    (median * nearest as f32 / (EIGHTH * thinning) as f32).sqrt()
+}

@@ -1,0 +1,45 @@
+//! Photons: what a walk from a lamp leaves behind, and how light is read from it (theory §5).
+
+mod bandwidth;
+mod deposit;
+mod gather;
+mod kernel;
+mod map;
+
+use glam::Vec3;
+
+pub use bandwidth::{Bandwidth, Radius};
+pub use deposit::Deposit;
+pub use gather::{Estimate, Nearest};
+pub use kernel::Kernel;
+pub use map::PhotonMap;
+
+use crate::material::Lobes;
+use crate::spectrum::Spectrum;
+use crate::transport::PathState;
+
+/// Where flux arrived on a surface with a smooth lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photon {
+    /// Where it landed.
+    pub position: Vec3,
+    /// Where it was going, unit length.
+    pub direction: Vec3,
+    /// Normal of the geometry, on the side on which it landed.
+    pub normal: Vec3,
+    /// Optical length of its path since the lamp, in scene units.
+    pub optical_length: f32,
+    /// Flux in W, as if its path were the only one of its pass.
+    pub flux: Spectrum,
+    /// Scattering events before it landed.
+    pub bounce: u32,
+    /// Which events these were.
+    pub history: Lobes,
+}
+
+impl Photon {
+    /// Whether it came from the lamp by mirrors and glass alone, and by at least one of them.
+    pub fn is_caustic(&self) -> bool {
+        PathState::is_caustic_history(self.history)
+    }
+}

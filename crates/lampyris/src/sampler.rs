@@ -1,0 +1,73 @@
+//! Random numbers as a pure function of (seed, pass, purpose, index), so that any pass can be computed anywhere.
+
+use glam::Vec2;
+use rand_core::Rng;
+use rand_pcg::Pcg32;
+
+/// What the numbers are for; paths of different purposes are independent.
+pub mod purpose {
+    /// Walks from the lamps.
+    pub const LIGHT: u32 = 1;
+    /// Walks from the camera.
+    pub const CAMERA: u32 = 2;
+    /// The pilot that chooses a radius.
+    pub const PILOT: u32 = 3;
+}
+
+/// The numbers of one path.
+#[derive(Clone, Debug)]
+pub struct Sampler(Pcg32);
+
+impl Sampler {
+    /// The numbers of path `index` of a pass.
+    pub fn new(seed: u64, pass: u32, purpose: u32, index: u64) -> Sampler {
+        // PCG streams of near seeds correlate (its documentation says so): hash everything into the state instead.
+        let mut state = mix(seed ^ 0x9e37_79b9_7f4a_7c15);
+        state = mix(state ^ (u64::from(pass) << 32 | u64::from(purpose)));
+        state = mix(state ^ index);
+        Sampler(Pcg32::new(state, 0xa02b_dbf7_bb3c_0a7))
+    }
+
+    /// Uniform in [0, 1), 24 bits.
+    #[inline]
+    pub fn uniform(&mut self) -> f32 {
+        (self.0.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
+    }
+
+    /// Uniform in the unit square.
+    #[inline]
+    pub fn square(&mut self) -> Vec2 {
+        let x = self.uniform();
+        Vec2::new(x, self.uniform())
+    }
+}
+
+/// A bijection of 64 bits in which every input bit changes every output bit with probability near one half
+/// (the finaliser of SplitMix64, Steele et al. 2014, with Stafford's constants).
+fn mix(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_path_gets_the_same_numbers_and_another_one_others() {
+        let first = |seed, pass, purpose, index| Sampler::new(seed, pass, purpose, index).uniform();
+        assert_eq!(first(1, 2, 3, 4), first(1, 2, 3, 4));
+        let others = [first(2, 2, 3, 4), first(1, 3, 3, 4), first(1, 2, 4, 4), first(1, 2, 3, 5)];
+        assert!(others.iter().all(|&other| other != first(1, 2, 3, 4)));
+    }
+
+    #[test]
+    fn neighbouring_paths_do_not_correlate() {
+        // Sample correlation of the first numbers of n paths with those of their neighbours: normal, sd 1/√n.
+        let n = 100_000;
+        let numbers: Vec<f64> = (0..=n).map(|i| f64::from(Sampler::new(0, 0, 0, i).uniform()) - 0.5).collect();
+        let correlation = 12.0 * numbers.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / n as f64;
+        assert!(correlation.abs() < 5.5 / (n as f64).sqrt(), "{correlation}"); // false alarm 4e-8
+    }
+}

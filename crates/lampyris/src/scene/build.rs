@@ -1,0 +1,79 @@
+//! From what a file says to what is rendered: names resolved, numbers checked. Every fault becomes an
+//! [`Error`] with the key of what is wrong, from which the importer finds the line.
+
+mod camera;
+mod check;
+mod lights;
+mod materials;
+mod shapes;
+
+use glam::Vec3;
+
+use super::description::{IntegratorDescription, SceneDescription};
+use super::{Assets, Lights, Scene};
+use crate::error::{Error, Result, Warning};
+use crate::geometry::{Bounds, Shape, Surfaces};
+use crate::light::{Light, World};
+
+/// A scene, with what its author should know of.
+#[derive(Debug)]
+pub struct Built {
+    /// The scene.
+    pub scene: Scene,
+    /// Faults that do not keep it from being rendered.
+    pub warnings: Vec<Warning>,
+}
+
+/// Builds the scene that `description` tells of.
+///
+/// # Errors
+/// The first fault, with its key: no camera, no light, a number out of its range, an unknown name, a broken mesh.
+pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Built> {
+    check::film(&description.film)?;
+    let camera = camera::build(description.camera.as_ref(), description.film.size)?;
+    let mut materials = materials::Builder::new(description, assets);
+    let mut shapes = shapes::Builder::default();
+    for (index, shape) in description.shapes.iter().enumerate() {
+        shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
+    }
+    let (surfaces, records, area_lights) = shapes.finish();
+    let world = world(&surfaces, camera.origin());
+    let mut all: Vec<Light> = area_lights.into_iter().map(Light::Area).collect();
+    for (index, light) in description.lights.iter().enumerate() {
+        all.push(lights::build(light, world).map_err(|error| error.under(&format!("lights[{index}]")))?);
+    }
+    if all.is_empty() {
+        return Err(Error::new("the scene has no light")
+            .with_hint("add a light, for example a point light, or give a shape an emission"));
+    }
+    let warnings = warnings(&description.integrator, &surfaces, &all);
+    let lights = Lights::new(all, &surfaces);
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials: materials.finish(), lights, camera }, warnings })
+}
+
+/// The sphere on which photons from infinitely far away start: around all that is finite, and the camera, near which
+/// infinite planes should be lit.
+fn world(surfaces: &Surfaces, camera: Vec3) -> World {
+    let infinite = surfaces.shapes().any(|shape| shape.bounds().is_none());
+    let around_camera = if infinite { Bounds { min: camera, max: camera } } else { Bounds::EMPTY };
+    let bounds = surfaces.bounds().union(around_camera);
+    if bounds.is_empty() {
+        return World { center: camera, radius: 1.0 };
+    }
+    // A little larger, so that what touches the box is not missed by rounding.
+    World { center: bounds.center(), radius: (1.001 * bounds.radius()).max(f32::MIN_POSITIVE) }
+}
+
+fn warnings(integrator: &IntegratorDescription, surfaces: &Surfaces, lights: &[Light]) -> Vec<Warning> {
+    let plane = surfaces.shapes().any(|shape| matches!(shape, Shape::Plane(_)));
+    let far = lights.iter().any(|light| matches!(light, Light::Directional(_) | Light::Constant(_)));
+    let photons = !matches!(integrator, IntegratorDescription::Path(_));
+    let mut warnings = Vec::new();
+    if plane && far && photons {
+        warnings.push(
+            Warning::new("photons from infinitely far away reach an infinite plane near the finite shapes only")
+                .with_hint("use a large quad instead of the plane, or the integrator 'path'"),
+        );
+    }
+    warnings
+}

@@ -1,0 +1,191 @@
+//! Shapes: geometry moved to the world, with material and light.
+
+use std::sync::Arc;
+
+use glam::{Mat3, Mat4, Vec3};
+
+use super::{check, materials};
+use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, Disk, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
+use crate::light::{Area, LightId};
+use crate::scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
+use crate::scene::{Assets, ShapeRecord};
+use crate::spectrum::Spectrum;
+
+/// Collects shapes.
+#[derive(Default)]
+pub(super) struct Builder {
+    surfaces: SurfacesBuilder,
+    records: Vec<ShapeRecord>,
+    lights: Vec<Area>,
+}
+
+impl Builder {
+    pub(super) fn add<'d>(
+        &mut self,
+        shape: &'d ShapeDescription,
+        materials: &mut materials::Builder<'d>,
+        assets: &dyn Assets,
+    ) -> Result<()> {
+        check::transform("transform", &shape.transform)?;
+        let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
+        let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some())?;
+        let radiance = match &shape.emission {
+            Some(emission) => Some(radiance(emission, &geometry).map_err(|error| error.under("emission"))?),
+            None => None,
+        };
+        let number = self.surfaces.add(geometry, shape.flip_normal);
+        let light = radiance.map(|radiance| {
+            self.lights.push(Area { shape: number, radiance });
+            (self.lights.len() - 1) as LightId
+        });
+        self.records.push(ShapeRecord { material, light, name: shape.name.clone() });
+        Ok(())
+    }
+
+    /// The surfaces, what belongs to each shape, and the shapes that are lights, in the order of their numbers.
+    pub(super) fn finish(self) -> (Surfaces, Vec<ShapeRecord>, Vec<Area>) {
+        (self.surfaces.build(), self.records, self.lights)
+    }
+}
+
+fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets) -> Result<Shape> {
+    let point = |p: Vec3| to_world.transform_point3(p);
+    let vector = |v: Vec3| to_world.transform_vector3(v);
+    match geometry {
+        GeometryDescription::Plane { normal, distance } => {
+            let normal = check::direction("normal", *normal)?;
+            let on_plane = point(normal * -check::finite("distance", *distance)?);
+            let normal = transformed_normal(to_world, normal);
+            Ok(Shape::Plane(Plane::new(normal, -normal.dot(on_plane))))
+        }
+        GeometryDescription::Sphere { center, radius } => {
+            let center = check::point("center", *center)?;
+            let (scale, rotation) = similarity(to_world, "sphere")?;
+            let radius = check::above_zero("radius", *radius)? * scale;
+            Ok(Shape::Sphere(Sphere::new(point(center), radius, rotation)))
+        }
+        GeometryDescription::Quad { corner, u, v } => {
+            let (corner, u, v) = (check::point("corner", *corner)?, check::point("u", *u)?, check::point("v", *v)?);
+            // An extent of zero has no inside; compared with the lengths, so that no unit comes into it.
+            if !(u.cross(v).length() > 1e-7 * u.length() * v.length()) {
+                return Err(Error::at_key("u", "the edges u and v of the quad are parallel or zero"));
+            }
+            Ok(Shape::Quad(Quad::new(point(corner), vector(u), vector(v))))
+        }
+        GeometryDescription::Disk { center, normal, radius } => {
+            let center = check::point("center", *center)?;
+            let normal = check::direction("normal", *normal)?;
+            let radius = check::above_zero("radius", *radius)?;
+            let frame = crate::math::Frame::around(normal);
+            let axis = |local: Vec3| vector(frame.to_world(local) * radius);
+            Ok(Shape::Disk(Disk::new(point(center), axis(Vec3::X), axis(Vec3::Y))))
+        }
+        GeometryDescription::Cylinder { from, to, radius } => {
+            let (from, to) = (check::point("from", *from)?, check::point("to", *to)?);
+            check::direction("to", (to - from).to_array())
+                .map_err(|_| Error::at_key("to", "the two ends of the cylinder are the same point"))?;
+            let (scale, _) = similarity(to_world, "cylinder")?;
+            Ok(Shape::Cylinder(Cylinder::new(point(from), point(to), check::above_zero("radius", *radius)? * scale)))
+        }
+        GeometryDescription::Cube {} => mesh(&Arc::new(cube()), to_world, "the cube"),
+        GeometryDescription::Mesh { file, index, face_normals, flip_v } => {
+            let data = assets.mesh(file, *index).map_err(|error| error.under("file"))?;
+            let data = adapted(data, *face_normals, *flip_v);
+            mesh(&data, to_world, file).map_err(|error| error.under("file"))
+        }
+        GeometryDescription::Triangles(data) => mesh(data, to_world, "the mesh"),
+    }
+}
+
+fn mesh(data: &Arc<MeshData>, to_world: &Mat4, name: &str) -> Result<Shape> {
+    if let Some(fault) = data.fault() {
+        return Err(Error::new(format!("{name}: {fault}")));
+    }
+    if data.triangles.is_empty() {
+        return Err(Error::new(format!("{name} has no triangles")));
+    }
+    Ok(Shape::Mesh(Mesh::new(data, to_world)))
+}
+
+fn adapted(data: Arc<MeshData>, face_normals: bool, flip_v: bool) -> Arc<MeshData> {
+    if !(face_normals && !data.normals.is_empty() || flip_v && !data.uvs.is_empty()) {
+        return data;
+    }
+    let mut data = MeshData::clone(&data);
+    if face_normals {
+        data.normals.clear();
+    }
+    if flip_v {
+        data.uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
+    }
+    Arc::new(data)
+}
+
+/// Normals go by the inverse transpose, so that they stay on their side under mirroring.
+fn transformed_normal(to_world: &Mat4, normal: Vec3) -> Vec3 {
+    to_world.inverse().transpose().transform_vector3(normal).normalize()
+}
+
+/// The scale and rotation of a transform that keeps shapes similar.
+fn similarity(to_world: &Mat4, shape: &str) -> Result<(f32, Mat3)> {
+    let axes = Mat3::from_mat4(*to_world);
+    let scale = axes.determinant().abs().cbrt();
+    let rotation = axes * (1.0 / scale);
+    if (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-3) {
+        return Ok((scale, rotation));
+    }
+    Err(Error::at_key("transform", format!("a {shape} can only be moved, rotated and scaled by the same factor in all directions"))
+        .with_hint("use a mesh for other shapes"))
+}
+
+fn radiance(emission: &EmissionDescription, geometry: &Shape) -> Result<Spectrum> {
+    if matches!(geometry, Shape::Plane(_)) {
+        return Err(Error::new("an infinite plane cannot emit: its power would be infinite").with_hint("use a quad"));
+    }
+    let radiance = match (emission.radiance, emission.power) {
+        (Some(radiance), None) => check::light("radiance", radiance)?,
+        (None, Some(power)) => check::light("power", power)? / (std::f32::consts::PI * geometry.area()),
+        _ => return Err(Error::new("an emission needs either a radiance or a power")),
+    };
+    if radiance.is_zero() {
+        return Err(Error::new("the emission has no power: the light is black")
+            .with_hint("give it a radiance above 0, or leave the emission out"));
+    }
+    Ok(radiance)
+}
+
+/// The cube from (-1, -1, -1) to (1, 1, 1): six faces of their own corners, texture coordinates 0 to 1 on each.
+fn cube() -> MeshData {
+    let mut data = MeshData::default();
+    for axis in 0..3 {
+        for sign in [-1.0_f32, 1.0] {
+            let first = data.positions.len() as u32;
+            for [a, b] in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]] {
+                let mut position = [0.0; 3];
+                position[axis] = sign;
+                // Turning the order of the other two axes with the sign keeps the faces counter-clockwise from outside.
+                position[(axis + 1) % 3] = a * sign;
+                position[(axis + 2) % 3] = b;
+                data.positions.push(position);
+                data.uvs.push([0.5 + 0.5 * a, 0.5 + 0.5 * b]);
+            }
+            data.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+    }
+    data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_faces_of_the_cube_point_out() {
+        let data = cube();
+        for triangle in &data.triangles {
+            let [a, b, c] = triangle.map(|corner| Vec3::from_array(data.positions[corner as usize]));
+            assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Direct light by next-event estimation, and the weights that combine it with paths that meet lamps by chance.
+
+use crate::material::Lobes;
+use crate::sampler::Sampler;
+use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
+
+/// Radiance that the smooth lobes at `point` reflect from one of the lights, chosen at random, back along the path
+/// (theory §4.3). With `combined_with`, it is weighted against finding the same light by following those lobes.
+pub fn direct_light(
+    scene: &Scene,
+    point: &SurfacePoint,
+    combined_with: Option<Lobes>,
+    sampler: &mut Sampler,
+) -> Spectrum {
+    if !point.bsdf.lobes().meets(Lobes::SMOOTH) {
+        return Spectrum::ZERO;
+    }
+    let Some(illumination) = scene.illuminate(point.surface.position, sampler) else {
+        return Spectrum::ZERO;
+    };
+    let value = point.eval(illumination.to_light);
+    if value.is_zero() || scene.shadowed(&point.surface, &illumination) {
+        return Spectrum::ZERO;
+    }
+    let weight = match (illumination.pdf, combined_with) {
+        (Some(pdf), Some(follow)) => mis_weight(pdf, point.pdf(illumination.to_light, follow)),
+        _ => 1.0,
+    };
+    value * illumination.irradiance * (point.cos(illumination.to_light) * weight)
+}
+
+/// The weight of a sample of density `own` that could also have come from a strategy of density `other`
+/// [Veach & Guibas 1995, the power heuristic with β = 2].
+pub fn mis_weight(own: f32, other: f32) -> f32 {
+    // In ratios, so that densities in tiny or huge scenes do not overflow.
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}

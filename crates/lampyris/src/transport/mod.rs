@@ -1,0 +1,11 @@
+//! How light travels: the one random walk, and what both of its directions share.
+
+mod direct;
+mod path;
+mod roulette;
+mod walk;
+
+pub use direct::{mis_weight, direct_light};
+pub use path::{Origin, PathState};
+pub use roulette::survive;
+pub use walk::{End, Limits, Visitor, Walked, walk};

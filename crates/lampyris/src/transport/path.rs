@@ -1,0 +1,43 @@
+//! The state of a path as it travels.
+
+use crate::geometry::Ray;
+use crate::material::Lobes;
+use crate::spectrum::Spectrum;
+
+/// Where a path began.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// At the eye: the path carries the weight of radiance.
+    Camera,
+    /// At a lamp: the path carries flux.
+    Light,
+}
+
+/// A path on its way. Everything that rides along is here: flux or weight, time, and where it has been.
+#[derive(Clone, Copy, Debug)]
+pub struct PathState {
+    /// The current segment.
+    pub ray: Ray,
+    /// Flux in W of a path from a lamp; weight, without unit, of a path from the camera.
+    pub throughput: Spectrum,
+    /// Σ index × length so far, in scene units; in double precision, so that long paths keep short differences.
+    pub optical_length: f64,
+    /// Index of refraction of where the path is, over that of where it began.
+    pub ior: f32,
+    /// Scattering events so far.
+    pub bounce: u32,
+    /// Which events these were.
+    pub history: Lobes,
+}
+
+impl PathState {
+    /// A path that begins with this ray.
+    pub fn new(ray: Ray, throughput: Spectrum) -> PathState {
+        PathState { ray, throughput, optical_length: 0.0, ior: 1.0, bounce: 0, history: Lobes::NONE }
+    }
+
+    /// Whether a path of this history has met mirrors and glass, and nothing else.
+    pub fn is_caustic_history(history: Lobes) -> bool {
+        !history.is_none() && !history.meets(Lobes::SMOOTH)
+    }
+}

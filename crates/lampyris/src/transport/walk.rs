@@ -1,0 +1,119 @@
+//! The one random walk. Both ends of light call it; what differs is the visitor (theory §4.1).
+
+use super::{Origin, PathState, survive};
+use crate::material::{Lobes, Scattered};
+use crate::sampler::Sampler;
+use crate::scene::{Scene, SurfacePoint};
+
+/// What is done along a path, and where the path may go on.
+pub trait Visitor {
+    /// The path has reached a surface. Returns the lobes that the walk may follow from here; [`Lobes::NONE`] ends it.
+    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes;
+
+    /// The path has chosen a direction (world) at `point`; `path` is about to leave it.
+    fn scattered(&mut self, _scattered: &Scattered, _point: &SurfacePoint, _path: &PathState) {}
+
+    /// The path has left the scene.
+    fn escaped(&mut self, _path: &PathState) {}
+}
+
+/// How long paths may become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Paths are cut after this many scattering events.
+    pub max_bounces: u32,
+    /// Roulette begins with this scattering event: 0 for photons, so that all carry about the same flux; later for
+    /// paths from the camera, where the first bounces matter most.
+    pub roulette_from: u32,
+}
+
+/// How a path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// It left the scene.
+    Escaped,
+    /// Roulette, a black surface, or a visitor that follows nothing.
+    Absorbed,
+    /// [`Limits::max_bounces`] was reached.
+    Cut,
+}
+
+/// A path that has ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Walked {
+    /// How it ended.
+    pub end: End,
+    /// In what state.
+    pub path: PathState,
+    /// Rays that were traced for it.
+    pub rays: u32,
+}
+
+/// Follows `path` until it ends, telling `visitor` of every vertex.
+pub fn walk<V: Visitor>(
+    scene: &Scene,
+    mut path: PathState,
+    origin: Origin,
+    limits: &Limits,
+    sampler: &mut Sampler,
+    visitor: &mut V,
+) -> Walked {
+    let reference = path.throughput.max();
+    let mut rays = 0;
+    loop {
+        rays += 1;
+        let Some(point) = scene.closest(&path.ray) else {
+            visitor.escaped(&path);
+            return Walked { end: End::Escaped, path, rays };
+        };
+        path.optical_length += f64::from(path.ior * point.distance);
+        let follow = visitor.vertex(&point, &path, sampler);
+        if follow.is_none() {
+            return Walked { end: End::Absorbed, path, rays };
+        }
+        if path.bounce >= limits.max_bounces {
+            return Walked { end: End::Cut, path, rays };
+        }
+        let to_previous = point.frame.to_local(point.to_previous);
+        let Some(mut scattered) = point.bsdf.sample(to_previous, follow, sampler) else {
+            return Walked { end: End::Absorbed, path, rays };
+        };
+        scattered.to_next = point.frame.to_world(scattered.to_next);
+        visitor.scattered(&scattered, &point, &path);
+        path.turn(&point, &scattered, origin);
+        // What refraction does to radiance by the solid angle is undone for the decision: it will be undone on the
+        // way out of the glass.
+        let level = match origin {
+            Origin::Camera => path.throughput.max() * path.ior * path.ior,
+            Origin::Light => path.throughput.max(),
+        };
+        if path.bounce <= limits.roulette_from && level > 0.0 {
+            continue;
+        }
+        match survive(reference, level, sampler) {
+            Some(boost) => path.throughput *= boost,
+            None => return Walked { end: End::Absorbed, path, rays },
+        }
+    }
+}
+
+impl PathState {
+    /// Leaves `point` in the direction that was chosen there.
+    #[inline]
+    fn turn(&mut self, point: &SurfacePoint, scattered: &Scattered, origin: Origin) {
+        self.throughput = self.throughput * scattered.weight;
+        match origin {
+            // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].
+            Origin::Camera => self.throughput *= 1.0 / (scattered.ior_ratio * scattered.ior_ratio),
+            // The adjoint of a BSDF that reckons with a shading normal [Veach 1997, eq. 5.17].
+            Origin::Light => {
+                self.throughput *= point.geometric_over_shading(scattered.to_next)
+                    / point.geometric_over_shading(point.to_previous).max(1e-3);
+            }
+        }
+        self.ior *= scattered.ior_ratio;
+        self.ray = point.surface.spawn(scattered.to_next);
+        self.bounce += 1;
+        self.history = self.history | scattered.event.into();
+    }
+}
