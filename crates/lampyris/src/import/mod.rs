@@ -1,13 +1,17 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+mod files;
+mod mesh;
+pub mod obj;
+pub mod ply;
+pub mod serialized;
 
-use crate::error::{Error, Place, Result, Warning};
-use crate::geometry::MeshData;
-use crate::image::Image;
-use crate::scene::{Assets, SceneDescription};
+use std::collections::HashMap;
+
+use crate::error::{Error, Place, Warning};
+use crate::scene::SceneDescription;
+
+pub use files::Files;
 
 /// A scene file as read: what it says, where it says it, and what we could not do.
 #[derive(Debug, Default)]
@@ -50,17 +54,5 @@ impl Places {
             }
             None => error,
         }
-    }
-}
-
-/// The files beside a scene file, opened as the scene asks for them.
-pub struct Files {
-    folder: PathBuf,
-}
-
-impl Files {
-    /// Names are relative to the folder of `scene_file`.
-    pub fn beside(scene_file: &Path) -> Files {
-        Files { folder: scene_file.parent().unwrap_or(Path::new("")).to_path_buf() }
     }
 }

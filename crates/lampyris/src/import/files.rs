@@ -1,0 +1,67 @@
+//! The files beside a scene file, opened as the scene asks for them.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::{obj, ply, serialized};
+use crate::error::{Error, Result};
+use crate::geometry::MeshData;
+use crate::image::Image;
+use crate::scene::Assets;
+
+/// Meshes and pictures from the file system. A mesh is read once, however often it is asked for.
+pub struct Files {
+    folder: PathBuf,
+    meshes: Mutex<HashMap<(String, u32), Arc<MeshOnce>>>,
+}
+
+/// A mesh or why there is none, once someone has asked for it.
+type MeshOnce = OnceLock<Result<Arc<MeshData>>>;
+
+impl Files {
+    /// Names are relative to the folder of `scene_file`.
+    pub fn beside(scene_file: &Path) -> Files {
+        let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
+        Files { folder, meshes: Mutex::default() }
+    }
+}
+
+impl Assets for Files {
+    fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>> {
+        // The lock is held only to find the cell, so that different meshes are read at the same time.
+        let mut meshes = self.meshes.lock().unwrap_or_else(PoisonError::into_inner);
+        let cell = Arc::clone(meshes.entry((file.to_string(), index)).or_default());
+        drop(meshes);
+        cell.get_or_init(|| read_mesh(&self.folder.join(file), index).map(Arc::new)).clone()
+    }
+
+    fn image(&self, file: &str, _raw: bool) -> Result<Arc<Image>> {
+        Err(Error::new(format!("cannot read '{}': pictures are not supported", self.folder.join(file).display())))
+    }
+}
+
+/// Reads a mesh in the format that the extension of `path` names.
+fn read_mesh(path: &Path, index: u32) -> Result<MeshData> {
+    let name = path.to_string_lossy();
+    let failed = |error: std::io::Error| Error::io(path, "read", &error);
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if index > 0 && matches!(extension.as_str(), "obj" | "ply") {
+        return Err(Error::new(format!("cannot read mesh {index} of '{name}': it has only one"))
+            .with_hint("only .serialized files hold several meshes"));
+    }
+    match extension.as_str() {
+        "obj" => obj::read(&name, &fs::read(path).map_err(failed)?),
+        "ply" => ply::read(&name, &fs::read(path).map_err(failed)?),
+        "serialized" => {
+            let file = File::open(path).map_err(failed)?;
+            serialized::read(&name, file, index)
+        }
+        _ => Err(Error::new(format!("cannot read '{name}': not a known mesh format"))
+            .with_hint("known are .obj, .ply and .serialized")),
+    }
+}
+
+#[cfg(test)]
+mod tests;
