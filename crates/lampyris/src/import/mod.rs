@@ -1,5 +1,8 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
+pub mod load;
+pub mod toml;
+
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
