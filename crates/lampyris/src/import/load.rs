@@ -64,7 +64,10 @@ mod tests {
 
     #[test]
     fn a_name_without_ending_names_the_known_ones() {
-        assert_eq!(message(Path::new("scene")), "cannot read 'scene': its name has no ending; scene files end in .toml");
+        assert_eq!(
+            message(Path::new("scene")),
+            "cannot read 'scene': its name has no ending; scene files end in .toml"
+        );
     }
 
     #[test]

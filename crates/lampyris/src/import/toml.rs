@@ -35,9 +35,11 @@ pub fn read(path: &Path) -> Result<Imported> {
             let at = error.valid_up_to();
             let before = String::from_utf8_lossy(&bytes[..at]);
             let message = format!("byte {at} of the file (0x{:02x}) is not UTF-8 text", bytes[at]);
-            Err(Error::new(message)
-                .with_hint("save the file with the encoding UTF-8")
-                .with_place(Place::of(path, &before, at..at)))
+            Err(Error::new(message).with_hint("save the file with the encoding UTF-8").with_place(Place::of(
+                path,
+                &before,
+                at..at,
+            )))
         }
     }
 }
@@ -61,7 +63,8 @@ pub fn read_str(file_name: &Path, text: &str) -> Result<Imported> {
     let mut keys = Vec::new();
     let schema = Schema::of_scenes();
     let description: SceneDescription =
-        notation::read(schema.scene(), "", tree, &mut |key, span| keys.push((key.to_string(), span))).map_err(locate)?;
+        notation::read(schema.scene(), "", tree, &mut |key, span| keys.push((key.to_string(), span)))
+            .map_err(locate)?;
     Ok(Imported { description, places: places(file_name, text, keys), warnings: Vec::new() })
 }
 

@@ -112,7 +112,11 @@ impl Reader<'_> {
     }
 
     fn items<'i>(&mut self, item: Node<'_>, path: &str, items: DeArray<'i>) -> Result<DeArray<'i>, Fault> {
-        items.into_iter().enumerate().map(|(index, value)| self.value(item, &format!("{path}[{index}]"), value)).collect()
+        items
+            .into_iter()
+            .enumerate()
+            .map(|(index, value)| self.value(item, &format!("{path}[{index}]"), value))
+            .collect()
     }
 
     /// Reads `entries` as the keys of one of the `tables`, each of which comes with what serde knows it under.
@@ -125,7 +129,8 @@ impl Reader<'_> {
     ) -> Result<Vec<DeTable<'i>>, Fault> {
         let mut read = vec![DeTable::new(); tables.len()];
         for (key, value) in entries {
-            let home = tables.iter().enumerate().find_map(|(index, (fields, _))| Some((index, fields.get(key.get_ref())?)));
+            let home =
+                tables.iter().enumerate().find_map(|(index, (fields, _))| Some((index, fields.get(key.get_ref())?)));
             let Some((index, node)) = home else {
                 let keys: Vec<&str> = tables.iter().flat_map(|(fields, _)| fields.keys()).collect();
                 return Err(unknown("key", &key, &format!(" in {owner}"), &keys));
@@ -218,8 +223,11 @@ fn complete(fields: Fields<'_>, owner: &str, read: &DeTable<'_>, span: &Range<us
     let needed = || fields.required().filter(|key| *key != "type");
     match needed().find(|key| !read.contains_key(*key)) {
         None => Ok(()),
-        Some(missing) => Err(Fault::new(span.clone(), format!("missing key '{missing}' in {owner}"))
-            .hint(format!("{} needs {}", article(owner), quoted(&needed().collect::<Vec<_>>(), "and")))),
+        Some(missing) => Err(Fault::new(span.clone(), format!("missing key '{missing}' in {owner}")).hint(format!(
+            "{} needs {}",
+            article(owner),
+            quoted(&needed().collect::<Vec<_>>(), "and")
+        ))),
     }
 }
 

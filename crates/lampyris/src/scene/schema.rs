@@ -33,8 +33,9 @@ impl Schema {
     }
 }
 
-/// TOML has no null: what may be absent is not required, and that says it all. A table of several types with
-/// keys of its own is closed as the others are.
+/// TOML has no null: what may be absent is not required, and that says it all. The default of a whole table is in
+/// serde's notation, and the keys have their own. A table of several types with keys of its own is closed as the
+/// others are.
 fn tidy(schema: &mut Value) {
     match schema {
         Value::Object(keys) => {
@@ -43,7 +44,7 @@ fn tidy(schema: &mut Value) {
             {
                 keys.insert("type".into(), only);
             }
-            if keys.get("default") == Some(&Value::Null) {
+            if keys.get("default").is_some_and(|default| default.is_null() || default.is_object()) {
                 keys.remove("default");
             }
             if let Some(Value::Array(choices)) = keys.get_mut("anyOf") {
@@ -170,7 +171,8 @@ impl<'s> Node<'s> {
     fn tagged(self, name: &str, schema: &'s Value, choices: &'s [Value]) -> Option<Tagged<'s>> {
         let fields = |table| Fields { root: self.root, table };
         let tag = |choice: &'s Value| choice["properties"]["type"]["const"].as_str();
-        let variants: Vec<_> = choices.iter().map(|choice| Some((tag(choice)?, fields(choice)))).collect::<Option<_>>()?;
+        let variants: Vec<_> =
+            choices.iter().map(|choice| Some((tag(choice)?, fields(choice)))).collect::<Option<_>>()?;
         let default = variants.iter().find(|(_, fields)| !fields.required().any(|key| key == "type"));
         Some(Tagged {
             noun: name.strip_suffix("Description").unwrap_or(name).to_lowercase(),

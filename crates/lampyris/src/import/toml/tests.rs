@@ -91,7 +91,9 @@ fn transforms_and_textures_are_read() {
     );
     let moved = scene.shapes[0].transform.0.transform_point3(glam::Vec3::ONE);
     assert_eq!(moved, glam::Vec3::new(3.0, 2.0, 2.0), "scaled first, then moved");
-    assert!(matches!(&scene.textures["floor"], TextureDescription::Bitmap { file, raw: false, .. } if file == "floor.png"));
+    assert!(
+        matches!(&scene.textures["floor"], TextureDescription::Bitmap { file, raw: false, .. } if file == "floor.png")
+    );
 }
 
 #[test]
@@ -203,8 +205,14 @@ fn a_wrong_value_is_told_in_the_words_of_a_user() {
             "3:22: 'power' must be a number, three numbers, or \"#rrggbb\", not the text \"#12\"",
         ),
         ("emission = 4", "3:12: 'emission' must be a table, not 4"),
-        ("transform = [{ spin = 3 }]", "3:16: unknown key 'spin' in transform[0]; the keys are translate, scale, rotate and matrix"),
-        ("transform = [{ scale = '#ffffff' }]", "3:24: 'scale' must be a number or three numbers, not the text \"#ffffff\""),
+        (
+            "transform = [{ spin = 3 }]",
+            "3:16: unknown key 'spin' in transform[0]; the keys are translate, scale, rotate and matrix",
+        ),
+        (
+            "transform = [{ scale = '#ffffff' }]",
+            "3:24: 'scale' must be a number or three numbers, not the text \"#ffffff\"",
+        ),
         (
             "transform = [{ scale = 3, translate = [0, 0, 0] }]",
             "3:14: 'transform[0]' must have one key, not 2; it is one of translate, scale, rotate or matrix",
@@ -222,10 +230,7 @@ fn a_wrong_value_is_told_in_the_words_of_a_user() {
 
 #[test]
 fn whole_numbers_and_words_are_told_with_their_choice() {
-    fails(
-        "[integrator]\nk = -3\n",
-        "s.toml:2:5: 'k' must be a whole number from 0 to 4294967295, not -3",
-    );
+    fails("[integrator]\nk = -3\n", "s.toml:2:5: 'k' must be a whole number from 0 to 4294967295, not -3");
     fails(
         "[integrator]\nphotons = 1e6\n",
         "s.toml:2:11: 'photons' must be a whole number from 0 to 4294967295, not 1e6; write it as 1000000",

@@ -8,10 +8,9 @@ use crate::scene::schema::Form;
 /// Whether a value without parts, or a colour, has the form.
 pub(super) fn fits(form: &Form<'_>, value: &DeValue<'_>) -> bool {
     match (form, value) {
-        (
-            Form::Number | Form::OneOrThree | Form::Color | Form::Paint,
-            DeValue::Integer(_) | DeValue::Float(_),
-        ) => is_number(value),
+        (Form::Number | Form::OneOrThree | Form::Color | Form::Paint, DeValue::Integer(_) | DeValue::Float(_)) => {
+            is_number(value)
+        }
         (Form::Whole(most), DeValue::Integer(number)) => whole(number).is_some_and(|number| number <= *most),
         (Form::Boolean, DeValue::Boolean(_)) | (Form::Text | Form::NameOr(_), DeValue::String(_)) => true,
         (Form::Word(words), DeValue::String(word)) => words.contains(&&**word),
