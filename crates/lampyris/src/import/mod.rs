@@ -1,10 +1,12 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
 mod files;
+pub mod load;
 mod mesh;
 pub mod obj;
 pub mod ply;
 pub mod serialized;
+pub mod toml;
 
 use std::collections::HashMap;
 

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::MeshData;
 pub use color::{Color, Paint};
@@ -60,7 +60,7 @@ pub struct SceneDescription {
 ///
 /// With `fov` beside `left`, `up` and `forward`, these three give directions only (made orthogonal is
 /// up to their author) and the field of view gives the size.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct CameraDescription {
     /// Where the pinhole or the centre of the lens is.
@@ -86,7 +86,7 @@ pub struct CameraDescription {
 }
 
 /// Which side of the picture a field of view spans.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FovAxis {
     /// The width.
@@ -103,7 +103,7 @@ pub enum FovAxis {
 }
 
 /// The size of the picture and how samples become pixels.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct FilmDescription {
     /// Width and height in pixels.
@@ -119,7 +119,7 @@ impl Default for FilmDescription {
 }
 
 /// A reconstruction filter; sizes in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum FilterDescription {
@@ -158,7 +158,7 @@ fn one() -> f32 {
 }
 
 /// The budget that the file asks for, and the seed.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct RenderDescription {
     /// Number of passes; a good quick picture by default.

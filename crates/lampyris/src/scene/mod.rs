@@ -3,6 +3,9 @@
 mod assets;
 mod build;
 pub mod description;
+pub(crate) mod notation;
+pub mod schema;
+pub mod settings;
 
 use glam::Vec3;
 

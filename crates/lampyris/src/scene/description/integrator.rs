@@ -1,10 +1,10 @@
 //! The integrators and their settings, as files and `--set` give them.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// How the light is computed.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum IntegratorDescription {
@@ -23,7 +23,7 @@ impl Default for IntegratorDescription {
 }
 
 /// Settings of `photon-map`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct PhotonMapSettings {
     /// Light paths a pass (default 100,000).
@@ -69,7 +69,7 @@ impl Default for PhotonMapSettings {
 const DEFAULT_MAX_BOUNCES: u32 = 256;
 
 /// Settings of `path`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct PathSettings {
     /// Camera samples per pixel and pass (default 1).
@@ -85,7 +85,7 @@ impl Default for PathSettings {
 }
 
 /// Settings of `light`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct LightSettings {
     /// Light paths a pass; as many as the picture has pixels by default.
@@ -101,7 +101,7 @@ impl Default for LightSettings {
 }
 
 /// The name of a density-estimation kernel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum KernelName {
     /// The same weight everywhere.
@@ -120,7 +120,7 @@ pub enum KernelName {
 }
 
 /// How the radius of an estimate is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BandwidthRule {
     /// Always `radius`.
@@ -133,7 +133,7 @@ pub enum BandwidthRule {
 }
 
 /// Where direct light comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direct {
     /// Shadow rays to the lights.
@@ -144,7 +144,7 @@ pub enum Direct {
 }
 
 /// What `photon-map` draws.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Show {
     /// The picture.

@@ -1,0 +1,236 @@
+//! Settings that have the right form but make no sense.
+
+use super::Settings;
+use crate::error::{Error, Result};
+use crate::scene::SceneDescription;
+use crate::scene::description::{
+    CameraDescription, FilmDescription, FilterDescription, IntegratorDescription, RenderDescription,
+};
+
+/// Most pixels of a picture: 2²⁸, more than any camera has, and few enough for a machine to hold.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Largest filter, in pixels: beyond it a picture is a blur and every sample touches thousands of pixels.
+const WIDEST_FILTER: f32 = 100.0;
+
+impl SceneDescription {
+    /// Checks the numbers of the integrator, the film, the camera and `render` for their ranges.
+    ///
+    /// # Errors
+    /// The first that is out of range, with its key, such as `integrator.k`.
+    pub fn check_settings(&self) -> Result<()> {
+        Settings::of(self).check()
+    }
+}
+
+impl Settings {
+    pub(super) fn check(&self) -> Result<()> {
+        integrator(&self.integrator)?;
+        film(&self.film)?;
+        render(&self.render)?;
+        self.camera.as_ref().map_or(Ok(()), camera)
+    }
+}
+
+fn integrator(integrator: &IntegratorDescription) -> Result<()> {
+    match integrator {
+        IntegratorDescription::PhotonMap(settings) => {
+            at_least_one("integrator.photons", settings.photons)?;
+            at_least_one("integrator.samples", settings.samples)?;
+            at_least_one("integrator.k", settings.k)?;
+            settings.radius.map_or(Ok(()), |radius| positive("integrator.radius", radius))?;
+            between("integrator.alpha", settings.alpha, 0.0, 1.0)
+        }
+        IntegratorDescription::Path(settings) => at_least_one("integrator.samples", settings.samples),
+        IntegratorDescription::Light(settings) => {
+            settings.photons.map_or(Ok(()), |photons| at_least_one("integrator.photons", photons))
+        }
+    }
+}
+
+fn film(film: &FilmDescription) -> Result<()> {
+    let [width, height] = film.size;
+    if width == 0 || height == 0 {
+        let message = format!("the picture must be at least 1 pixel wide and high, not {width}×{height}");
+        return Err(Error::at_key("film.size", message));
+    }
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let message = format!("a picture of {width}×{height} is too large: at most {MOST_PIXELS} pixels");
+        return Err(Error::at_key("film.size", message));
+    }
+    let (key, size) = match film.filter {
+        FilterDescription::Box { radius } | FilterDescription::Tent { radius } => ("film.filter.radius", radius),
+        FilterDescription::Gaussian { stddev } => ("film.filter.stddev", stddev),
+    };
+    positive(key, size)?;
+    if size > WIDEST_FILTER {
+        return Err(Error::at_key(key, format!("'{}' must be at most {WIDEST_FILTER} pixels, not {size}", last(key))));
+    }
+    Ok(())
+}
+
+fn render(render: &RenderDescription) -> Result<()> {
+    render.passes.map_or(Ok(()), |passes| at_least_one("render.passes", passes))
+}
+
+fn camera(camera: &CameraDescription) -> Result<()> {
+    let vectors = [
+        ("camera.origin", Some(camera.origin)),
+        ("camera.left", camera.left),
+        ("camera.up", camera.up),
+        ("camera.forward", camera.forward),
+        ("camera.target", camera.target),
+    ];
+    for (key, vector) in vectors {
+        if vector.is_some_and(|vector| vector.iter().any(|x| !x.is_finite())) {
+            return Err(Error::at_key(key, format!("'{}' must be finite", last(key))));
+        }
+    }
+    camera.fov.map_or(Ok(()), |fov| between("camera.fov", fov, 0.0, 180.0))?;
+    camera.focus_distance.map_or(Ok(()), |distance| positive("camera.focus-distance", distance))?;
+    let radius = camera.aperture_radius;
+    if !(radius.is_finite() && radius >= 0.0) {
+        return Err(Error::at_key(
+            "camera.aperture-radius",
+            format!("'aperture-radius' must be at least 0, not {radius}"),
+        ));
+    }
+    Ok(())
+}
+
+/// What a user calls the key.
+fn last(key: &str) -> &str {
+    key.rsplit('.').next().unwrap_or(key)
+}
+
+fn at_least_one(key: &str, value: u32) -> Result<()> {
+    if value >= 1 { Ok(()) } else { Err(Error::at_key(key, format!("'{}' must be at least 1", last(key)))) }
+}
+
+fn positive(key: &str, value: f32) -> Result<()> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Error::at_key(key, format!("'{}' must be greater than 0 and finite, not {value}", last(key))))
+}
+
+/// Between the two and equal to neither, which NaN is not.
+fn between(key: &str, value: f32, low: f32, high: f32) -> Result<()> {
+    if value > low && value < high {
+        return Ok(());
+    }
+    Err(Error::at_key(key, format!("'{}' must lie between {low} and {high}, not {value}", last(key))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::description::{LightSettings, PathSettings, PhotonMapSettings};
+
+    fn with(change: impl FnOnce(&mut PhotonMapSettings)) -> SceneDescription {
+        let mut settings = PhotonMapSettings::default();
+        change(&mut settings);
+        SceneDescription { integrator: IntegratorDescription::PhotonMap(settings), ..Default::default() }
+    }
+
+    fn fails(scene: &SceneDescription, key: &str, message: &str) {
+        let error = scene.check_settings().expect_err("out of range");
+        assert_eq!((error.key.as_deref(), &*error.message), (Some(key), message));
+    }
+
+    #[test]
+    fn the_defaults_are_in_range() {
+        SceneDescription::default().check_settings().expect("defaults make sense");
+    }
+
+    #[test]
+    fn counts_are_at_least_one() {
+        fails(&with(|settings| settings.photons = 0), "integrator.photons", "'photons' must be at least 1");
+        fails(&with(|settings| settings.samples = 0), "integrator.samples", "'samples' must be at least 1");
+        fails(&with(|settings| settings.k = 0), "integrator.k", "'k' must be at least 1");
+        let path = IntegratorDescription::Path(PathSettings { samples: 0, max_bounces: 1 });
+        let scene = SceneDescription { integrator: path, ..Default::default() };
+        fails(&scene, "integrator.samples", "'samples' must be at least 1");
+        let light = IntegratorDescription::Light(LightSettings { photons: Some(0), max_bounces: 1 });
+        let scene = SceneDescription { integrator: light, ..Default::default() };
+        fails(&scene, "integrator.photons", "'photons' must be at least 1");
+    }
+
+    #[test]
+    fn no_bounce_at_all_is_a_fair_wish() {
+        with(|settings| settings.max_bounces = 0).check_settings().expect("lamps alone");
+    }
+
+    #[test]
+    fn a_radius_is_positive_and_finite() {
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let message = format!("'radius' must be greater than 0 and finite, not {radius}");
+            fails(&with(|settings| settings.radius = Some(radius)), "integrator.radius", &message);
+        }
+    }
+
+    #[test]
+    fn alpha_lies_between_its_ends() {
+        for alpha in [0.0, 1.0, f32::NAN] {
+            let message = format!("'alpha' must lie between 0 and 1, not {alpha}");
+            fails(&with(|settings| settings.alpha = alpha), "integrator.alpha", &message);
+        }
+    }
+
+    #[test]
+    fn a_picture_has_pixels_but_not_too_many() {
+        let sized =
+            |size| SceneDescription { film: FilmDescription { size, ..Default::default() }, ..Default::default() };
+        fails(&sized([4, 0]), "film.size", "the picture must be at least 1 pixel wide and high, not 4×0");
+        fails(
+            &sized([u32::MAX, u32::MAX]),
+            "film.size",
+            "a picture of 4294967295×4294967295 is too large: at most 268435456 pixels",
+        );
+        sized([16384, 16384]).check_settings().expect("just small enough");
+    }
+
+    #[test]
+    fn a_filter_has_a_size() {
+        let filtered =
+            |filter| SceneDescription { film: FilmDescription { filter, ..Default::default() }, ..Default::default() };
+        fails(
+            &filtered(FilterDescription::Gaussian { stddev: 0.0 }),
+            "film.filter.stddev",
+            "'stddev' must be greater than 0 and finite, not 0",
+        );
+        fails(
+            &filtered(FilterDescription::Box { radius: 1e9 }),
+            "film.filter.radius",
+            "'radius' must be at most 100 pixels, not 1000000000",
+        );
+    }
+
+    #[test]
+    fn a_camera_can_see() {
+        let seen = |change: fn(&mut CameraDescription)| {
+            let mut camera = CameraDescription::default();
+            change(&mut camera);
+            SceneDescription { camera: Some(camera), ..Default::default() }
+        };
+        fails(&seen(|c| c.fov = Some(180.0)), "camera.fov", "'fov' must lie between 0 and 180, not 180");
+        fails(&seen(|c| c.origin[1] = f32::NAN), "camera.origin", "'origin' must be finite");
+        fails(
+            &seen(|c| c.focus_distance = Some(0.0)),
+            "camera.focus-distance",
+            "'focus-distance' must be greater than 0 and finite, not 0",
+        );
+        fails(
+            &seen(|c| c.aperture_radius = -1.0),
+            "camera.aperture-radius",
+            "'aperture-radius' must be at least 0, not -1",
+        );
+    }
+
+    #[test]
+    fn no_passes_are_no_picture() {
+        let render = RenderDescription { passes: Some(0), seed: 0 };
+        let scene = SceneDescription { render, ..Default::default() };
+        fails(&scene, "render.passes", "'passes' must be at least 1");
+    }
+}
