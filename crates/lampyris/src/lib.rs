@@ -3,4 +3,6 @@ pub mod error;
 pub mod geometry;
 pub mod image;
 pub mod import;
+pub mod output;
 pub mod scene;
+pub mod spectrum;
