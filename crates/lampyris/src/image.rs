@@ -1,4 +1,5 @@
 //! A picture in memory: linear radiance, three floats a pixel.
+pub(crate) mod convolve;
 
 /// Linear RGB radiance, row by row, the top row first.
 #[derive(Clone, Debug, PartialEq)]

@@ -21,6 +21,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod output;
 pub mod photon;
 pub mod render;
 pub mod sampler;

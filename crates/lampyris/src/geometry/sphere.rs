@@ -44,7 +44,8 @@ impl Sphere {
 
     /// The surface at `distance` along the ray.
     pub fn surface(&self, ray: &Ray, distance: f32) -> Surface {
-        let out: DVec3 = ray.origin.as_dvec3() - self.center.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance);
+        let out: DVec3 =
+            ray.origin.as_dvec3() - self.center.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance);
         self.at(out.normalize().as_vec3())
     }
 

@@ -149,9 +149,10 @@ impl Surfaces {
             || self.grouped.as_ref().is_some_and(|tree| {
                 tree.any(ray, max, |&shape, max| self.shapes[shape as usize].shape.intersect(ray, max))
             })
-            || self.triangles.as_ref().is_some_and(|tree| {
-                tree.any(ray, max, |leaf, max| Some(leaf.triangle.intersect(ray, max)?.0))
-            })
+            || self
+                .triangles
+                .as_ref()
+                .is_some_and(|tree| tree.any(ray, max, |leaf, max| Some(leaf.triangle.intersect(ray, max)?.0)))
     }
 
     /// The surface that a ray hit.

@@ -9,6 +9,7 @@ use super::{obj, ply, serialized};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
 use crate::image::Image;
+use crate::output::decode_texture;
 use crate::scene::Assets;
 
 /// Meshes and pictures from the file system. A mesh is read once, however often it is asked for.
@@ -37,8 +38,10 @@ impl Assets for Files {
         cell.get_or_init(|| read_mesh(&self.folder.join(file), index).map(Arc::new)).clone()
     }
 
-    fn image(&self, file: &str, _raw: bool) -> Result<Arc<Image>> {
-        Err(Error::new(format!("cannot read '{}': pictures are not supported", self.folder.join(file).display())))
+    fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>> {
+        let path = self.folder.join(file);
+        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
+        decode_texture(&path.to_string_lossy(), &bytes, raw).map(Arc::new)
     }
 }
 

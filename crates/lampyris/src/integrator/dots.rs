@@ -9,12 +9,7 @@ use crate::scene::description::FilmDescription;
 use crate::spectrum::Spectrum;
 
 /// Every photon that is `shown` and in plain sight is a dot of its colour, of brightness 1 at the mean flux.
-pub(super) fn draw(
-    scene: &Scene,
-    film: &FilmDescription,
-    map: &PhotonMap,
-    shown: impl Fn(&Photon) -> bool,
-) -> Image {
+pub(super) fn draw(scene: &Scene, film: &FilmDescription, map: &PhotonMap, shown: impl Fn(&Photon) -> bool) -> Image {
     let mut image = Image::new(film.size[0] as usize, film.size[1] as usize);
     let count = map.photons().len().max(1) as f32;
     let mean = map.photons().iter().map(|photon| photon.flux.max() / count).sum::<f32>();

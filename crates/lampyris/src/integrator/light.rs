@@ -31,9 +31,15 @@ impl Integrator for LightTracing {
         let new = || Splat { scene, film, splats: Vec::new(), max_bounces };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
-        let mut image = camera_pass(scene, film, pass, 1, observer, || (), |ray, _, ()| {
-            (scene.closest(&ray).map_or_else(|| scene.background(), |point| scene.emitted(&point)), 1)
-        });
+        let mut image = camera_pass(
+            scene,
+            film,
+            pass,
+            1,
+            observer,
+            || (),
+            |ray, _, ()| (scene.closest(&ray).map_or_else(|| scene.background(), |point| scene.emitted(&point)), 1),
+        );
         let scale = 1.0 / paths as f32;
         for (pixel, light) in blocks.into_iter().flat_map(|block| block.splats) {
             let sum = &mut image.pixels_mut()[pixel as usize];

@@ -26,13 +26,20 @@ impl Integrator for PathTracing {
     fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(scene, film, pass, self.settings.samples, observer, || (), |ray, sampler, ()| {
-            let mut look =
-                Look { scene, max_bounces: limits.max_bounces, radiance: Spectrum::ZERO, last: None };
-            let walked =
-                walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, sampler, &mut look);
-            (look.radiance, walked.rays)
-        })
+        camera_pass(
+            scene,
+            film,
+            pass,
+            self.settings.samples,
+            observer,
+            || (),
+            |ray, sampler, ()| {
+                let mut look = Look { scene, max_bounces: limits.max_bounces, radiance: Spectrum::ZERO, last: None };
+                let walked =
+                    walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, sampler, &mut look);
+                (look.radiance, walked.rays)
+            },
+        )
     }
 
     fn name(&self) -> &'static str {
@@ -53,8 +60,7 @@ impl Visitor for Look<'_> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
-            let weight =
-                self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, self.scene.emitted_pdf(from, point)));
+            let weight = self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, self.scene.emitted_pdf(from, point)));
             self.radiance += path.throughput * emitted * weight;
         }
         if path.bounce < self.max_bounces {

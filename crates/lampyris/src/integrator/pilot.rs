@@ -72,7 +72,8 @@ impl Measure<'_> {
     fn median(mut self) -> Option<f32> {
         self.radii.retain(|radius| radius.is_finite() && *radius > 0.0);
         let middle = self.radii.len() / 2;
-        let (_, median, _) = (!self.radii.is_empty()).then(|| self.radii.select_nth_unstable_by(middle, f32::total_cmp))?;
+        let (_, median, _) =
+            (!self.radii.is_empty()).then(|| self.radii.select_nth_unstable_by(middle, f32::total_cmp))?;
         Some(*median)
     }
 }

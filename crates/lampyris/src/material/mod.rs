@@ -162,11 +162,9 @@ impl Materials {
             }
             Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
             Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.at(uv) }),
-            Material::Glass { ior, reflectance, transmittance } => Model::Glass(Glass {
-                ior: *ior,
-                reflectance: reflectance.at(uv),
-                transmittance: transmittance.at(uv),
-            }),
+            Material::Glass { ior, reflectance, transmittance } => {
+                Model::Glass(Glass { ior: *ior, reflectance: reflectance.at(uv), transmittance: transmittance.at(uv) })
+            }
             Material::ThinGlass { ior, reflectance, transmittance } => Model::ThinGlass(ThinGlass {
                 ior: *ior,
                 reflectance: reflectance.at(uv),
@@ -175,9 +173,9 @@ impl Materials {
             Material::Conductor { eta, k, reflectance } => {
                 Model::Conductor(Conductor { eta: *eta, k: *k, reflectance: reflectance.at(uv) })
             }
-            Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => Model::Plastic(
-                Plastic::new(reflectance.at(uv), specular.at(uv), *ior, *inner_reflectance, *nonlinear),
-            ),
+            Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => {
+                Model::Plastic(Plastic::new(reflectance.at(uv), specular.at(uv), *ior, *inner_reflectance, *nonlinear))
+            }
             Material::Coefficients(coefficients) => Model::Coefficients(*coefficients),
         };
         bsdf.push(Part { weight, flipped, model });

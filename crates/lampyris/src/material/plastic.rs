@@ -23,7 +23,13 @@ pub struct Plastic {
 impl Plastic {
     /// From the colour of the base, the tint of the mirror reflection, the coat's index over the outside's and
     /// [`Plastic::inner_reflectance`] of it; `nonlinear` lets repeated inner reflection saturate the colour.
-    pub fn new(reflectance: Spectrum, specular: Spectrum, ior: f32, inner_reflectance: f32, nonlinear: bool) -> Plastic {
+    pub fn new(
+        reflectance: Spectrum,
+        specular: Spectrum,
+        ior: f32,
+        inner_reflectance: f32,
+        nonlinear: bool,
+    ) -> Plastic {
         let base = reflectance.map(|rho| rho / (1.0 - inner_reflectance * if nonlinear { rho } else { 1.0 }));
         Plastic { base, specular, ior, escape: 1.0 - inner_reflectance }
     }

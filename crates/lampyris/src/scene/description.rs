@@ -457,6 +457,9 @@ pub enum GeometryDescription {
         /// Leave the file's smooth normals out, so that every triangle is flat (default false).
         #[serde(default)]
         face_normals: bool,
+        /// Compute smooth normals where the file has none (default false: flat triangles).
+        #[serde(default)]
+        smooth: bool,
         /// Turn the second texture coordinate upside down (default false).
         #[serde(default)]
         flip_v: bool,

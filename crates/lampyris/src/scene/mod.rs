@@ -227,11 +227,11 @@ impl Scene {
 
 impl Lights {
     fn new(all: Vec<Light>, surfaces: &Surfaces) -> Lights {
-        let powers: Vec<f64> =
-            all.iter().map(|light| f64::from(light.emitter().power(surfaces).mean())).collect();
+        let powers: Vec<f64> = all.iter().map(|light| f64::from(light.emitter().power(surfaces).mean())).collect();
         let total: f64 = powers.iter().sum();
         let even = 1.0 / all.len().max(1) as f64;
-        let selection: Vec<f64> = powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
+        let selection: Vec<f64> =
+            powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
         Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), all }
     }
 }

@@ -4,6 +4,10 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
 use glam::Vec4;
 
+mod srgb;
+
+pub use srgb::{linear_to_srgb, srgb_to_linear};
+
 /// Four numbers that multiply and add lane by lane. In an RGB pass the lanes are linear red, green, blue and nothing;
 /// in a spectral pass they will be four wavelengths. What a value means (flux, radiance, reflectance) its name says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,7 +65,12 @@ impl Spectrum {
     #[must_use]
     pub fn divided(self, by: Spectrum) -> Spectrum {
         let lane = |a: f32, b: f32| if b == 0.0 { 0.0 } else { a / b };
-        Spectrum(Vec4::new(lane(self.0.x, by.0.x), lane(self.0.y, by.0.y), lane(self.0.z, by.0.z), lane(self.0.w, by.0.w)))
+        Spectrum(Vec4::new(
+            lane(self.0.x, by.0.x),
+            lane(self.0.y, by.0.y),
+            lane(self.0.z, by.0.z),
+            lane(self.0.w, by.0.w),
+        ))
     }
 }
 

@@ -5,7 +5,7 @@ mod path;
 mod roulette;
 mod walk;
 
-pub use direct::{mis_weight, direct_light};
+pub use direct::{direct_light, mis_weight};
 pub use path::{Origin, PathState};
 pub use roulette::survive;
 pub use walk::{End, Limits, Visitor, Walked, walk};

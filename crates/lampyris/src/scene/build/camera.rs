@@ -38,8 +38,11 @@ fn placed(camera: &CameraDescription, size: [u32; 2]) -> Result<Camera> {
         None => subject,
     };
     Camera::new(origin, axes, size, radius, focus).ok_or_else(|| {
-        Error::at_key("up", "the camera's axes lie in one plane: left, up and forward must point in different directions")
-            .with_hint("choose an up that is not parallel to the viewing direction")
+        Error::at_key(
+            "up",
+            "the camera's axes lie in one plane: left, up and forward must point in different directions",
+        )
+        .with_hint("choose an up that is not parallel to the viewing direction")
     })
 }
 
@@ -67,7 +70,8 @@ fn looking_at(
 fn spanned(camera: &CameraDescription, axes: [[f32; 3]; 3], size: [u32; 2]) -> Result<([Vec3; 3], f32)> {
     let [left, up, forward] = axes;
     if let Some(fov) = camera.fov {
-        let axes = [check::direction("left", left)?, check::direction("up", up)?, check::direction("forward", forward)?];
+        let axes =
+            [check::direction("left", left)?, check::direction("up", up)?, check::direction("forward", forward)?];
         return Ok((sized(axes, fov, camera.fov_axis, size)?, 1.0));
     }
     for (key, axis) in [("left", left), ("up", up), ("forward", forward)] {

@@ -17,7 +17,9 @@ pub(super) fn film(film: &FilmDescription) -> Result<()> {
     }
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         let message = format!("the picture of {width}×{height} pixels is too large");
-        return Err(Error::at_key("film.size", message).with_hint(format!("at most {MAX_PIXELS} pixels can be rendered")));
+        return Err(
+            Error::at_key("film.size", message).with_hint(format!("at most {MAX_PIXELS} pixels can be rendered"))
+        );
     }
     let extent = match film.filter {
         FilterDescription::Box { radius } | FilterDescription::Tent { radius } => radius,
@@ -27,7 +29,11 @@ pub(super) fn film(film: &FilmDescription) -> Result<()> {
 }
 
 pub(super) fn finite(key: &str, value: f32) -> Result<f32> {
-    if value.is_finite() { Ok(value) } else { Err(Error::at_key(key, format!("{key} must be a finite number, not {value}"))) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::at_key(key, format!("{key} must be a finite number, not {value}")))
+    }
 }
 
 pub(super) fn above_zero(key: &str, value: f32) -> Result<f32> {
@@ -37,7 +43,11 @@ pub(super) fn above_zero(key: &str, value: f32) -> Result<f32> {
 
 pub(super) fn at_least_zero(key: &str, value: f32) -> Result<f32> {
     finite(key, value)?;
-    if value >= 0.0 { Ok(value) } else { Err(Error::at_key(key, format!("{key} must not be negative, but is {value}"))) }
+    if value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::at_key(key, format!("{key} must not be negative, but is {value}")))
+    }
 }
 
 /// Strictly between two angles in degrees.

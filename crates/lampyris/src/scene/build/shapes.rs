@@ -89,9 +89,9 @@ fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets
             Ok(Shape::Cylinder(Cylinder::new(point(from), point(to), check::above_zero("radius", *radius)? * scale)))
         }
         GeometryDescription::Cube {} => mesh(&Arc::new(cube()), to_world, "the cube"),
-        GeometryDescription::Mesh { file, index, face_normals, flip_v } => {
+        GeometryDescription::Mesh { file, index, face_normals, smooth, flip_v } => {
             let data = assets.mesh(file, *index).map_err(|error| error.under("file"))?;
-            let data = adapted(data, *face_normals, *flip_v);
+            let data = adapted(data, *face_normals, *smooth, *flip_v);
             mesh(&data, to_world, file).map_err(|error| error.under("file"))
         }
         GeometryDescription::Triangles(data) => mesh(data, to_world, "the mesh"),
@@ -108,13 +108,18 @@ fn mesh(data: &Arc<MeshData>, to_world: &Mat4, name: &str) -> Result<Shape> {
     Ok(Shape::Mesh(Mesh::new(data, to_world)))
 }
 
-fn adapted(data: Arc<MeshData>, face_normals: bool, flip_v: bool) -> Arc<MeshData> {
-    if !(face_normals && !data.normals.is_empty() || flip_v && !data.uvs.is_empty()) {
+fn adapted(data: Arc<MeshData>, face_normals: bool, smooth: bool, flip_v: bool) -> Arc<MeshData> {
+    let (has_normals, flip_v) = (!data.normals.is_empty(), flip_v && !data.uvs.is_empty());
+    let smooth = smooth && !face_normals && !has_normals;
+    if !(face_normals && has_normals || smooth || flip_v) {
         return data;
     }
     let mut data = MeshData::clone(&data);
     if face_normals {
         data.normals.clear();
+    }
+    if smooth {
+        data.compute_normals();
     }
     if flip_v {
         data.uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
@@ -135,8 +140,11 @@ fn similarity(to_world: &Mat4, shape: &str) -> Result<(f32, Mat3)> {
     if (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-3) {
         return Ok((scale, rotation));
     }
-    Err(Error::at_key("transform", format!("a {shape} can only be moved, rotated and scaled by the same factor in all directions"))
-        .with_hint("use a mesh for other shapes"))
+    Err(Error::at_key(
+        "transform",
+        format!("a {shape} can only be moved, rotated and scaled by the same factor in all directions"),
+    )
+    .with_hint("use a mesh for other shapes"))
 }
 
 fn radiance(emission: &EmissionDescription, geometry: &Shape) -> Result<Spectrum> {

@@ -6,6 +6,8 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 
+use crate::spectrum::srgb_to_linear;
+
 /// Linear RGB (BT.709 primaries): three numbers, one number for all three, or `"#rrggbb"` in sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Color(pub [f32; 3]);
@@ -40,11 +42,6 @@ impl Color {
         };
         Some(Color([channel(0)?, channel(2)?, channel(4)?]))
     }
-}
-
-/// The sRGB transfer function, from encoded 0..1 to linear 0..1 (IEC 61966-2-1).
-pub fn srgb_to_linear(encoded: f32) -> f32 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 impl<'de> Deserialize<'de> for Color {

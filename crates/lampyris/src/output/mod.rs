@@ -1,0 +1,206 @@
+//! Picture files, written and read.
+//!
+//! | extension | what it holds | written as |
+//! |---|---|---|
+//! | `.exr` | linear radiance | 32-bit floats, lossless ZIP, channels R, G, B |
+//! | `.npy` | linear radiance | `<f4`, `(height, width, 3)`, the top row first |
+//! | `.pfm` | linear radiance | 32-bit floats, little-endian |
+//! | `.hdr` | linear radiance, 8 bits of mantissa a pixel | Radiance RGBE, run-length coded |
+//! | `.ppm` | linear radiance in 65536 steps of the largest value | text, with the `#MAX=` of the course |
+//! | `.png` | display values: radiance cut off at 1, then the sRGB curve | 8 bits a channel |
+//!
+//! A PNG shows what lies in 0..1; bring a picture there first with a [`ToneMap`](crate::tonemap::ToneMap).
+//! Reading knows all of these by their first bytes, whatever the name, and JPEG too.
+
+mod atomic;
+mod exr;
+mod hdr;
+mod jpeg;
+mod limits;
+mod npy;
+mod pfm;
+mod png;
+mod ppm;
+#[cfg(test)]
+mod tests;
+
+use std::io::Read;
+use std::path::Path;
+
+pub use atomic::write_whole;
+
+use crate::error::{Error, Result, did_you_mean};
+use crate::image::Image;
+use crate::spectrum::srgb_to_linear;
+
+/// A file format that we write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR.
+    Exr,
+    /// Radiance RGBE.
+    Hdr,
+    /// NumPy array.
+    Npy,
+    /// Portable float map.
+    Pfm,
+    /// Portable network graphics: display values, not radiance.
+    Png,
+    /// Portable pixel map, with the course's `#MAX=`.
+    Ppm,
+}
+
+impl Format {
+    /// Every format, in the order of their extensions.
+    pub const ALL: [Format; 6] = [Format::Exr, Format::Hdr, Format::Npy, Format::Pfm, Format::Png, Format::Ppm];
+
+    /// The extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Exr => "exr",
+            Format::Hdr => "hdr",
+            Format::Npy => "npy",
+            Format::Pfm => "pfm",
+            Format::Png => "png",
+            Format::Ppm => "ppm",
+        }
+    }
+
+    /// The format that the extension of `path` names, in either case; an error that lists the formats where it
+    /// names none.
+    pub fn of(path: &Path) -> Result<Format> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let format = Format::ALL.into_iter().find(|format| format.extension() == extension);
+        format.ok_or_else(|| {
+            let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(" ");
+            let hint = match did_you_mean(&extension, Format::ALL.map(Format::extension)) {
+                Some(near) => format!("did you mean .{near}? known are {known}"),
+                None => format!("known are {known}"),
+            };
+            let what = if extension.is_empty() { "no extension".into() } else { format!("extension '.{extension}'") };
+            Error::new(format!("cannot write '{}': {what} names no picture format", path.display())).with_hint(hint)
+        })
+    }
+}
+
+/// Writes a picture in the format that the extension of `path` names.
+///
+/// The file appears whole or not at all, see [`write_whole`].
+///
+/// # Errors
+/// An unknown extension, a picture without pixels, or what the operating system says.
+pub fn write_image(path: &Path, image: &Image) -> Result<()> {
+    write_whole(path, &encode(Format::of(path)?, image)?)
+}
+
+/// Finds what would stop [`write_image`] from writing to `path`, as far as can be seen without writing: the
+/// extension, the folder, and whether `path` is itself a folder or may not be written to.
+pub fn check_path(path: &Path) -> Result<()> {
+    Format::of(path)?;
+    atomic::check_place(path)
+}
+
+/// The bytes of a file in this format.
+///
+/// # Errors
+/// A picture without pixels, or of a size that the format cannot hold.
+pub fn encode(format: Format, image: &Image) -> Result<Vec<u8>> {
+    if image.pixels().is_empty() {
+        return Err(Error::new(format!(
+            "a picture of {} × {} pixels cannot be written",
+            image.width(),
+            image.height()
+        )));
+    }
+    match format {
+        Format::Exr => exr::encode(image),
+        Format::Hdr => hdr::encode(image),
+        Format::Npy => Ok(npy::encode(image)),
+        Format::Pfm => Ok(pfm::encode(image)),
+        Format::Png => png::encode(image),
+        Format::Ppm => Ok(ppm::encode(image)),
+    }
+}
+
+/// Reads the picture in a file, as [`decode`] does.
+pub fn read_image(path: &Path) -> Result<Image> {
+    // Pipes and devices do not say how long they are, and some never end.
+    const LONGEST_STREAM: u64 = 1 << 30;
+    let fail = |error| Error::io(path, "read", &error);
+    let file = std::fs::File::open(path).map_err(fail)?;
+    let is_file = file.metadata().map_err(fail)?.is_file();
+    let mut bytes = Vec::new();
+    file.take(if is_file { u64::MAX } else { LONGEST_STREAM }).read_to_end(&mut bytes).map_err(fail)?;
+    decode(&path.to_string_lossy(), &bytes)
+}
+
+/// The picture in these bytes; `name` is for messages.
+///
+/// The first bytes tell the format: PPM (P3, P6), PFM, Radiance HDR, OpenEXR, NPY, PNG or JPEG. PNG and JPEG are
+/// decoded from sRGB to linear 0..1; the others hold linear values, and a PPM without `#MAX=` holds 0..1. Alpha is
+/// dropped, grey fills all three channels.
+///
+/// # Errors
+/// Anything else, anything cut short, and sizes that the bytes cannot hold; with line and column in a P3.
+pub fn decode(name: &str, bytes: &[u8]) -> Result<Image> {
+    let decoded = decode_any(name, bytes)?;
+    Ok(match decoded.values {
+        Values::Srgb => linear(decoded.image),
+        Values::Linear | Values::Unstated => decoded.image,
+    })
+}
+
+/// The texture in these bytes; `name` is for messages.
+///
+/// As [`decode`], but files with 8 or 16 bits a channel are kept as they are, in 0..1, if `raw` (a roughness, a
+/// normal map), and decoded from sRGB otherwise, PPM without `#MAX=` too. Formats of floats hold linear values
+/// whether `raw` or not.
+pub fn decode_texture(name: &str, bytes: &[u8], raw: bool) -> Result<Image> {
+    let decoded = decode_any(name, bytes)?;
+    Ok(match decoded.values {
+        Values::Srgb | Values::Unstated if !raw => linear(decoded.image),
+        _ => decoded.image,
+    })
+}
+
+/// A picture as it stands in its file.
+struct Decoded {
+    image: Image,
+    values: Values,
+}
+
+/// What the numbers in a file mean.
+enum Values {
+    /// Linear radiance.
+    Linear,
+    /// Display values 0..1 under the sRGB curve.
+    Srgb,
+    /// The format leaves it open: 0..1, linear or not.
+    Unstated,
+}
+
+impl Decoded {
+    fn linear(image: Image) -> Decoded {
+        Decoded { image, values: Values::Linear }
+    }
+}
+
+fn decode_any(name: &str, bytes: &[u8]) -> Result<Decoded> {
+    let decoded = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => png::decode(bytes),
+        [0xff, 0xd8, 0xff, ..] => jpeg::decode(bytes),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes).map(Decoded::linear),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode(bytes).map(Decoded::linear),
+        [b'#', b'?', ..] => hdr::decode(bytes).map(Decoded::linear),
+        [b'P', b'3' | b'6', ..] => ppm::decode(name, bytes),
+        [b'P', b'F' | b'f', ..] => pfm::decode(bytes).map(Decoded::linear),
+        [] => Err(Error::new("the file is empty, not a picture")),
+        _ => Err(Error::new("not a picture in a format that we read")
+            .with_hint("known are exr hdr jpeg npy pfm png ppm (P3, P6)")),
+    };
+    decoded.map_err(|error| error.with_file(name))
+}
+
+fn linear(image: Image) -> Image {
+    image.map(|pixel| pixel.map(srgb_to_linear))
+}
