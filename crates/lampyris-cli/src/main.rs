@@ -1,1 +1,6 @@
+//! The command line of Lampyris.
+
+#[cfg(test)]
+mod args;
+
 fn main() {}

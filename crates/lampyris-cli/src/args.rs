@@ -1,0 +1,201 @@
+//! The command line as typed: what can be said, and which values make sense on their own. Whether they fit the
+//! scene is for the library to tell.
+
+mod values;
+
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+
+use values::{duration, finite, pair, positive_count, size, threads};
+
+/// A photon-mapping renderer: caustics, colour bleeding, and a picture that converges.
+#[derive(Debug, Parser)]
+#[command(name = "lampyris", version, subcommand_required = true, arg_required_else_help = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene.
+    Render(RenderArguments),
+    /// Write the photon map of a scene as a coloured point cloud.
+    Photons(PhotonsArguments),
+    /// Tell what is in a scene: shapes, triangles, materials, lights, warnings.
+    Info(SceneArguments),
+    /// Check a scene without rendering it.
+    Check(SceneArguments),
+    /// Bring a picture into the range of a display.
+    Tonemap(TonemapArguments),
+    /// Measure how far two pictures are apart.
+    Compare(CompareArguments),
+    /// Print the JSON Schema of scene files.
+    #[command(hide = true)]
+    Schema,
+}
+
+/// A scene file and how to read it.
+#[derive(Args, Debug)]
+pub struct SceneArguments {
+    /// The scene file: .toml, or .xml of Mitsuba
+    pub scene: PathBuf,
+
+    /// Give a parameter of a Mitsuba scene (its <default>) another value
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = pair)]
+    pub defines: Vec<(String, String)>,
+
+    /// Fail on warnings, such as a feature of the file that is not supported
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// What to change in the scene.
+#[derive(Args, Debug)]
+pub struct ChangeArguments {
+    /// Set one parameter of the integrator, the film or the camera, such as kernel=cone; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = pair)]
+    pub settings: Vec<(String, String)>,
+
+    /// Seed of all random numbers [default: the scene's, or 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+/// How to work.
+#[derive(Args, Debug)]
+pub struct WorkArguments {
+    /// Threads to work with; the picture is the same for any number [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `lampyris render`.
+#[derive(Args, Debug)]
+pub struct RenderArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+
+    /// Where to write the picture: .png .ppm .pfm .hdr .exr or .npy; may be repeated [default: the scene's name
+    /// with .png]
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub outputs: Vec<PathBuf>,
+
+    /// photon-map, path or light [default: the scene's]
+    #[arg(long, value_name = "NAME")]
+    pub integrator: Option<String>,
+
+    /// Number of passes [default: the scene's, or enough for a good quick picture]
+    #[arg(long, value_name = "N", value_parser = positive_count, allow_negative_numbers = true, conflicts_with = "time")]
+    pub passes: Option<NonZeroU32>,
+
+    /// Render as many passes as fit in this time, such as 60s, 1.5m or 500ms
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    pub time: Option<Duration>,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+
+    /// Write what the render did (passes, rays, photons, seconds, memory) to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+
+    /// Changes to the scene.
+    #[command(flatten)]
+    pub changes: ChangeArguments,
+
+    /// How to work.
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// `lampyris photons`.
+#[derive(Args, Debug)]
+pub struct PhotonsArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+
+    /// Where to write the photons: .ply or .csv
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+
+    /// Changes to the scene.
+    #[command(flatten)]
+    pub changes: ChangeArguments,
+
+    /// How to work.
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// `lampyris tonemap`.
+#[derive(Args, Debug)]
+pub struct TonemapArguments {
+    /// The picture, in any format that `render` writes
+    pub input: PathBuf,
+
+    /// Where to write the result
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+
+    /// clamp, equalize, equalize-clamp, gamma, gamma-clamp, reinhard, reinhard-local or filmic
+    #[arg(long, value_name = "NAME", default_value = "reinhard")]
+    pub operator: String,
+
+    /// Stops by which to brighten the picture: each doubles the light
+    #[arg(long, value_name = "STOPS", value_parser = finite, default_value = "0", allow_negative_numbers = true)]
+    pub exposure: f32,
+
+    /// gamma, gamma-clamp: the exponent's inverse
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub gamma: Option<f32>,
+
+    /// equalize-clamp, gamma-clamp: the radiance that becomes white
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub value: Option<f32>,
+
+    /// reinhard, reinhard-local: what the average becomes, 0.18 for middle grey
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub key: Option<f32>,
+
+    /// reinhard: the scaled luminance that becomes white
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub white: Option<f32>,
+
+    /// reinhard-local: the sharpening
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub phi: Option<f32>,
+
+    /// reinhard-local: the contrast that ends a pixel's surroundings
+    #[arg(long, value_parser = finite, allow_negative_numbers = true)]
+    pub epsilon: Option<f32>,
+}
+
+/// `lampyris compare`.
+#[derive(Args, Debug)]
+pub struct CompareArguments {
+    /// The picture
+    pub image: PathBuf,
+
+    /// What it should be
+    pub reference: PathBuf,
+
+    /// Where to write the difference as a picture
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests;
