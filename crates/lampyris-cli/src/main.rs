@@ -1,6 +1,10 @@
 //! The command line of Lampyris.
 
-#[cfg(test)]
 mod args;
 
-fn main() {}
+fn main() {
+    let arguments = <args::Arguments as clap::Parser>::parse();
+    if let args::Command::Schema = arguments.command {
+        print!("{}", lampyris::scene::schema::json_schema());
+    }
+}
