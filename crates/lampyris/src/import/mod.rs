@@ -1,5 +1,7 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
+pub mod mitsuba;
+
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
