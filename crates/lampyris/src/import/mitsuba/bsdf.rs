@@ -74,12 +74,9 @@ impl Importer<'_> {
         let query = self.query(object);
         self.visit(query, depth)?;
         let plugin = query.object.plugin.as_str();
-        if let Some(smooth) = plugin.strip_prefix("rough") {
-            if matches!(smooth, "conductor" | "dielectric" | "plastic" | "diffuse") {
-                let instead = format!("the smooth '{smooth}' is used");
-                self.left_out(object, &instead);
-                query.ignore(&["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible", "use_fast_approx"]);
-            }
+        if let Some(smooth @ ("conductor" | "dielectric" | "plastic" | "diffuse")) = plugin.strip_prefix("rough") {
+            self.left_out(object, &format!("the smooth '{smooth}' is used"));
+            query.ignore(&["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible", "use_fast_approx"]);
         }
         let scattering = match plugin {
             "diffuse" | "roughdiffuse" => Scattering::one_sided(self.diffuse(query, "reflectance")?),
@@ -103,7 +100,8 @@ impl Importer<'_> {
 
     fn diffuse(&mut self, query: Query, name: &str) -> Result<MaterialDescription> {
         // 0.x knows the colour under two names.
-        let name = if query.property("diffuse_reflectance").is_some() { "diffuse_reflectance" } else { name };
+        let old = "diffuse_reflectance";
+        let name = if query.has(old) { old } else { name };
         Ok(MaterialDescription::Diffuse { reflectance: self.paint(query, name, Role::Surface, 0.5)? })
     }
 
@@ -138,8 +136,7 @@ impl Importer<'_> {
     /// A metal by name, by index of refraction, or a perfect mirror, Mitsuba's default.
     fn conductor(&mut self, query: Query) -> Result<MaterialDescription> {
         let reflectance = self.paint(query, "specular_reflectance", Role::Surface, 1.0)?;
-        let has = |name| query.property(name).is_some() || query.named_part(name).is_some();
-        let (eta, k) = if has("eta") | has("k") {
+        let (eta, k) = if query.has("eta") || query.has("k") {
             let eta = self.color(query, "eta", Role::Surface, 0.0)?;
             (eta, self.color(query, "k", Role::Surface, 1.0)?)
         } else {
@@ -236,14 +233,8 @@ impl Importer<'_> {
             self.left_out(object, "'plastic' is used");
             return Ok(Scattering::one_sided(self.plastic(query)?));
         }
-        let is_color = |name: &&str| {
-            let property = query.object.properties.iter().find(|property| property.name == **name);
-            let color =
-                property.is_some_and(|p| matches!(p.value, Value::Rgb(_) | Value::Spectrum(_) | Value::Float(_)));
-            color || query.object.parts.iter().any(|part| part.name == **name)
-        };
         let names = ["reflectance", "diffuse_reflectance", "base_color"];
-        let reflectance = match names.iter().find(|name| is_color(name)) {
+        let reflectance = match names.iter().find(|name| query.has(name)) {
             Some(name) => {
                 self.left_out(object, "a diffuse surface of its colour is used");
                 self.paint(query, name, Role::Surface, 0.5)?

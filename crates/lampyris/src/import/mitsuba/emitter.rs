@@ -11,7 +11,7 @@ impl Importer<'_> {
     /// An emitter of the scene itself.
     pub(super) fn light(&mut self, object: usize) -> Result<()> {
         let query = self.query(object);
-        query.ignore(&["sampling_weight", "id"]);
+        query.ignore(&["sampling_weight"]);
         let key = format!("lights[{}]", self.description().lights.len());
         let to_world = query.transform("to_world")?;
         let matrix = to_world.unwrap_or(DMat4::IDENTITY);
@@ -43,6 +43,8 @@ impl Importer<'_> {
                 LightDescription::Directional { direction: single(direction), irradiance }
             }
             "constant" => LightDescription::Constant { radiance: self.color(query, "radiance", Role::Light, 1.0)? },
+            // Shapes refer to it.
+            "area" if query.object.id.is_some() => return Ok(()),
             _ => {
                 self.left_out(object, "this light is left out");
                 return Ok(());

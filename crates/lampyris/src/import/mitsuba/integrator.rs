@@ -27,7 +27,7 @@ impl<'a> Importer<'a> {
         let query = self.innermost(object)?;
         let plugin = query.object.plugin.as_str();
         let max_bounces = self.max_bounces(query)?;
-        query.ignore(&["rr_depth", "block_size", "samples_per_pass", "timeout", "strict_normals", "hide_environment"]);
+        query.ignore(&["rr_depth", "block_size", "samples_per_pass", "timeout", "strict_normals"]);
         if query.boolean("hide_emitters", false)? {
             self.warn(query.spot("hide_emitters"), "'hide_emitters' is not supported: lights stay visible");
         }
@@ -44,7 +44,7 @@ impl<'a> Importer<'a> {
                 path(Some(1))
             }
             "ptracer" | "particle" => {
-                query.ignore(&["samples", "hide_emitters"]);
+                query.ignore(&["samples"]);
                 let default = LightSettings::default();
                 let max_bounces = max_bounces.unwrap_or(default.max_bounces);
                 IntegratorDescription::Light(LightSettings { max_bounces, ..default })

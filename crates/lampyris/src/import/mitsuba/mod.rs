@@ -4,6 +4,10 @@
 //! read and references resolved. Each kind of object then has its file here that turns it into its part of the
 //! [`SceneDescription`]. What a plugin asks for counts as understood; the rest is a warning.
 //!
+//! Where we differ on purpose: points and lookats may leave out axes and `up`; the camera may be scaled; colours
+//! above 1 and unknown parameters are not refused here; clip planes hide nothing; black bodies and `uniform`,
+//! `regular` and `irregular` spectra work in RGB; a blend of mirror and diffuse keeps its energy.
+//!
 //! Facts about Mitsuba in comments were found by asking Mitsuba 3.9.1 (`scalar_rgb`).
 
 mod bsdf;

@@ -25,6 +25,12 @@ impl<'a> Query<'a> {
         Some(property)
     }
 
+    /// Whether a value or an object stands under `name`.
+    pub fn has(&self, name: &str) -> bool {
+        self.object.properties.iter().any(|property| property.name == name)
+            || self.object.parts.iter().any(|part| part.name == name)
+    }
+
     /// Where `name` stands, or the object itself without it.
     pub fn spot(&self, name: &str) -> Spot {
         let property = self.object.properties.iter().find(|property| property.name == name);

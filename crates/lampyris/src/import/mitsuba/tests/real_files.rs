@@ -46,7 +46,7 @@ fn what_is_done_otherwise_is_said() {
         ("veach-bidir/mitsuba3/scene.xml", 14, 2, vec!["path_guiding_integrator", "roughconductor"]),
         ("transient-cbox/transient/cbox_mirror.xml", 8, 1, vec!["transient_path", "transient_hdr_film"]),
         ("transient-cbox/nlos/nlos_Z.xml", 2, 0, vec!["projector", "nlos_capture_meter", "transient_nlos_path"]),
-        ("living-room/mitsuba0.6/scene.xml", 63, 1, vec!["roughplastic", "roughconductor", "roughdiffuse"]),
+        ("living-room/mitsuba0.6/scene.xml", 65, 0, vec!["roughplastic", "roughconductor", "roughdiffuse", "envmap"]),
         (
             "mitsuba-media-tests/tests/scenes/participating_media/test_homo_roughdielectric_spot_volpath.xml",
             2,
