@@ -48,7 +48,8 @@ fn look_at<'a>(get: impl Fn(&str) -> Option<&'a str>) -> Result<DMat4, Fault> {
     let Some(forward) = (target - origin).try_normalize() else {
         return fault("target", "the origin and the target of a lookat must differ");
     };
-    let up = point("up")?.unwrap_or_else(|| forward.any_orthonormal_vector());
+    // Without `up` any will do; this is the one that Mitsuba takes.
+    let up = point("up")?.unwrap_or_else(|| forward.any_orthonormal_pair().0);
     let Some(left) = up.cross(forward).try_normalize() else {
         return fault("up", "the up vector of a lookat must not be zero or lie along the view");
     };

@@ -384,6 +384,9 @@ fn the_camera_looks_along_z_with_x_to_the_left() {
     close(plain.forward.expect("set"), [0.0, 0.0, 1.0]);
     close(plain.left.expect("set"), [1.0, 0.0, 0.0]);
     close(plain.up.expect("set"), [0.0, 1.0, 0.0]);
+    let without_up = camera("<lookat origin='0 0 0' target='0 0 1'/>");
+    close(without_up.up.expect("set"), [1.0, 0.0, 0.0]);
+    close(without_up.left.expect("set"), [0.0, -1.0, 0.0]);
     // The lab's camera is mirrored: left is -x.
     let lab = camera("<scale x='-1'/><lookat origin='0, 0, -3.5' target='0, 0, 0' up='0, 1, 0'/>");
     close(lab.left.expect("set"), [-1.0, 0.0, 0.0]);
