@@ -1,4 +1,5 @@
 //! Lampyris: photon mapping.
+pub mod compare;
 pub mod error;
 pub mod geometry;
 pub mod image;
@@ -6,3 +7,4 @@ pub mod import;
 pub mod output;
 pub mod scene;
 pub mod spectrum;
+pub mod tonemap;
