@@ -15,7 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::MeshData;
-pub use color::{Color, Paint, srgb_to_linear};
+pub use color::{Color, Paint};
 pub use integrator::{
     BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings, PhotonMapSettings, Show,
 };

@@ -1,7 +1,8 @@
 //! Numbers, colours and spectra from the text of an attribute.
 
 use super::document::Spectrum;
-use crate::scene::description::{Color, srgb_to_linear};
+use crate::scene::description::Color;
+use crate::spectrum::srgb_to_linear;
 
 /// The numbers in `text`, between commas or blanks; else what is wrong with it.
 pub(super) fn numbers(text: &str) -> Result<Vec<f64>, String> {
