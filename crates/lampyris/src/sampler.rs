@@ -25,7 +25,7 @@ impl Sampler {
         let mut state = mix(seed ^ 0x9e37_79b9_7f4a_7c15);
         state = mix(state ^ (u64::from(pass) << 32 | u64::from(purpose)));
         state = mix(state ^ index);
-        Sampler(Pcg32::new(state, 0xa02b_dbf7_bb3c_0a7))
+        Sampler(Pcg32::new(state, 0x0a02_bdbf_7bb3_c0a7))
     }
 
     /// Uniform in [0, 1), 24 bits.

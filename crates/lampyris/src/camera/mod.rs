@@ -61,8 +61,9 @@ impl Camera {
     ) -> Option<Camera> {
         let axes = Mat3::from_cols(left, up, forward);
         let volume = left.cross(up).dot(forward).abs();
-        // Compared with the product of the lengths, so that no unit comes into it.
-        if !(volume > 1e-6 * left.length() * up.length() * forward.length()) {
+        // Compared with the product of the lengths, so that no unit comes into it. False for NaN, too.
+        let spans_space = volume > 1e-6 * left.length() * up.length() * forward.length();
+        if !spans_space {
             return None;
         }
         let normal = left.cross(up).normalize();

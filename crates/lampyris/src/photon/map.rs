@@ -161,11 +161,9 @@ impl Grid {
     fn sized(bounds: &Bounds, cell: f32, max_cells: usize) -> Grid {
         let extent = (bounds.max - bounds.min).max(Vec3::ZERO);
         let longest = extent.max_element();
-        let mut cell = if cell.is_finite() && cell > 0.0 { cell } else { longest };
-        if !(cell > 0.0) {
-            // All photons in one point, or none.
-            cell = 1.0;
-        }
+        // Without any extent all photons lie in one point, or there are none.
+        let usable = |cell: f32| cell.is_finite() && cell > 0.0;
+        let mut cell = [cell, longest].into_iter().find(|&cell| usable(cell)).unwrap_or(1.0);
         // Cells are never so small that the longest side has more of them than a thousand each way would allow.
         cell = cell.max(longest / 4096.0);
         let cells = |cell: f32| (extent / cell).floor().as_uvec3() + UVec3::ONE;
@@ -250,4 +248,84 @@ fn typical_distance(points: &[Vec3], nearest: usize) -> f32 {
     let middle = distances.len() / 2;
     let median = *distances.select_nth_unstable_by(middle, f32::total_cmp).1;
     (median * nearest as f32 / (EIGHTH * thinning) as f32).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Lobes;
+    use crate::sampler::Sampler;
+    use crate::spectrum::Spectrum;
+
+    /// Photons on a square and a few far away, as on an infinite plane.
+    fn photons(count: usize) -> Vec<Photon> {
+        let mut sampler = Sampler::new(11, 0, 0, 0);
+        let photon = |index: usize| {
+            let stretch = if index % 100 == 0 { 1e4 } else { 1.0 };
+            Photon {
+                position: (sampler.square() * stretch).extend(0.01 * sampler.uniform()),
+                direction: Vec3::NEG_Z,
+                normal: Vec3::Z,
+                optical_length: index as f32,
+                flux: Spectrum::ONE,
+                bounce: 0,
+                history: Lobes::NONE,
+            }
+        };
+        (0..count).map(photon).collect()
+    }
+
+    /// What the photons are recognised by, sorted.
+    fn numbers<'p>(found: impl Iterator<Item = &'p Photon>) -> Vec<u32> {
+        let mut numbers: Vec<u32> = found.map(|photon| photon.optical_length as u32).collect();
+        numbers.sort_unstable();
+        numbers
+    }
+
+    fn by_force(photons: &[Photon], center: Vec3, radius: f32) -> Vec<u32> {
+        numbers(photons.iter().filter(|photon| photon.position.distance_squared(center) < radius * radius))
+    }
+
+    #[test]
+    fn a_search_within_a_radius_finds_what_trying_all_finds() {
+        let photons = photons(5_000);
+        let map = PhotonMap::build(photons.clone(), 1, Radius::Fixed(0.05));
+        let far = photons[100].position;
+        for (center, radius) in [(Vec3::new(0.5, 0.5, 0.0), 0.05), (Vec3::ZERO, 0.2), (far, 500.0), (far, 0.0)] {
+            let mut found = Vec::new();
+            map.within(center, radius, |photon, _| found.push(*photon));
+            assert_eq!(numbers(found.iter()), by_force(&photons, center, radius), "at {center}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_are_those_nearer_than_the_last_of_them() {
+        let photons = photons(5_000);
+        let mut found = Nearest::default();
+        for max_radius in [f32::INFINITY, 0.02] {
+            let map = PhotonMap::build(photons.clone(), 1, Radius::Nearest { count: 40, max_radius });
+            for center in [Vec3::new(0.3, 0.6, 0.0), photons[200].position, Vec3::new(-50.0, 3.0, 1.0)] {
+                let mut distances: Vec<f32> = photons.iter().map(|photon| photon.position.distance(center)).collect();
+                distances.sort_by(f32::total_cmp);
+                let (radius, nearest) = map.nearest(center, 40, max_radius, &mut found);
+                let expected = distances[39].min(max_radius);
+                assert!((radius - expected).abs() <= 1e-6 * expected, "{radius} is not {expected}");
+                assert_eq!(numbers(nearest.map(|(photon, _)| photon)), by_force(&photons, center, radius));
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_of_nothing_or_of_one_place_can_be_asked() {
+        let mut found = Nearest::default();
+        for photons in [Vec::new(), vec![photons(1)[0]; 100]] {
+            for radius in [Radius::Fixed(0.1), Radius::Nearest { count: 5, max_radius: f32::INFINITY }] {
+                let map = PhotonMap::build(photons.clone(), 1, radius);
+                let mut count = 0;
+                map.within(Vec3::ZERO, 1e6, |_, _| count += 1);
+                assert_eq!(count, photons.len());
+                assert_eq!(map.nearest(Vec3::ZERO, 1000, f32::INFINITY, &mut found).1.count(), photons.len());
+            }
+        }
+    }
 }

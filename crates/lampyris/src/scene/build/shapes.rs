@@ -68,7 +68,8 @@ fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets
         GeometryDescription::Quad { corner, u, v } => {
             let (corner, u, v) = (check::point("corner", *corner)?, check::point("u", *u)?, check::point("v", *v)?);
             // An extent of zero has no inside; compared with the lengths, so that no unit comes into it.
-            if !(u.cross(v).length() > 1e-7 * u.length() * v.length()) {
+            let has_inside = u.cross(v).length() > 1e-7 * u.length() * v.length();
+            if !has_inside {
                 return Err(Error::at_key("u", "the edges u and v of the quad are parallel or zero"));
             }
             Ok(Shape::Quad(Quad::new(point(corner), vector(u), vector(v))))

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Renders a Mitsuba scene with Mitsuba and with Lampyris, and tests whether the pictures agree.
+
+    pip install mitsuba scipy
+    python scripts/agree_with_mitsuba.py SCENE.xml [--size 128x128] [--samples 64] [--runs 16] [--integrator path]
+
+Each program renders the scene `--runs` times with different seeds; the spread of these runs gives the error of every
+pixel's mean. Two figures are printed: the ratio of the means over the picture with its standard error, and the share of
+pixels that pass Welch's t-test with Sidak's correction at 1 %. The exit status is 0 if the means agree within 0.5 % and
+at least 99.75 % of the pixels pass.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import mitsuba as mi
+import numpy as np
+from scipy import stats
+
+LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
+
+
+def mitsuba_runs(options, size):
+    mi.set_variant(options.variant)
+    scene = mi.load_file(options.mitsuba_scene or options.scene, **dict(pair.split("=") for pair in options.define))
+    film = scene.sensors()[0].film()
+    if tuple(film.size()) != size:
+        sys.exit(f"Mitsuba's film is {film.size()}: pass --define resx={size[0]} --define resy={size[1]} or edit the scene")
+    return [np.array(mi.render(scene, spp=options.samples, seed=run))[..., :3] for run in range(options.runs)]
+
+
+def lampyris_runs(options, size):
+    pictures = []
+    with tempfile.TemporaryDirectory() as folder:
+        for run in range(options.runs):
+            picture = Path(folder) / "picture.npy"
+            command = [options.lampyris, "render", options.scene, "-o", str(picture), "--quiet", "--seed", str(run)]
+            command += ["--integrator", options.integrator, "--passes", str(options.passes or options.samples)]
+            command += ["--size", f"{size[0]}x{size[1]}"]
+            for setting in options.set:
+                command += ["--set", setting]
+            for pair in options.define:
+                command += ["--define", pair]
+            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+            pictures.append(np.load(picture))
+    return pictures
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("scene")
+    parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
+    parser.add_argument("--size", default="128x128")
+    parser.add_argument("--samples", type=int, default=64, help="per pixel and run")
+    parser.add_argument("--passes", type=int, help="of Lampyris per run, if not --samples")
+    parser.add_argument("--runs", type=int, default=16)
+    parser.add_argument("--integrator", default="path")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
+    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--lampyris", default="target/release/lampyris")
+    parser.add_argument("--variant", default="scalar_rgb")
+    parser.add_argument("--clip", type=float, help="cut pixels at this value in every run, against fireflies")
+    options = parser.parse_args()
+    size = tuple(int(side) for side in options.size.split("x"))
+
+    theirs, ours = np.stack(mitsuba_runs(options, size)), np.stack(lampyris_runs(options, size))
+    if options.clip:
+        theirs, ours = np.minimum(theirs, options.clip), np.minimum(ours, options.clip)
+    means = [pictures.mean(axis=(1, 2, 3)) for pictures in (ours, theirs)]
+    ratio = means[0].mean() / means[1].mean()
+    error = ratio * np.sqrt(sum((mean.std(ddof=1) / mean.mean()) ** 2 / len(mean) for mean in means))
+    channels = ours.mean(axis=(0, 1, 2)) / theirs.mean(axis=(0, 1, 2))
+
+    _, p = stats.ttest_ind(ours @ LUMINANCE, theirs @ LUMINANCE, axis=0, equal_var=False)
+    p = np.where(np.isnan(p), 1.0, p)  # no spread at all: both programs give the same value in every run
+    same = np.isclose((ours @ LUMINANCE).mean(axis=0), (theirs @ LUMINANCE).mean(axis=0), rtol=1e-4, atol=1e-6)
+    threshold = 1.0 - (1.0 - 0.01) ** (1.0 / p.size)
+    passing = np.mean((p >= threshold) | same)
+
+    print(f"{Path(options.scene).name} {options.integrator}: mean ratio {ratio:.5f} ± {error:.5f} "
+          f"(channels {', '.join(f'{channel:.5f}' for channel in channels)}), "
+          f"{100 * passing:.3f} % of {p.size} pixels pass")
+    sys.exit(0 if abs(ratio - 1.0) <= 0.005 and passing >= 0.9975 else 1)
+
+
+if __name__ == "__main__":
+    main()
