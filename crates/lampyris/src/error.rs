@@ -147,7 +147,12 @@ pub type Warning = Error;
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
+        .map(|candidate| {
+            // The first measure knows common beginnings, the second swapped letters.
+            let likeness = strsim::jaro_winkler(word, candidate);
+            let swaps = strsim::normalized_damerau_levenshtein(word, candidate);
+            (likeness.max(swaps + 0.15), candidate)
+        })
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
@@ -169,6 +174,7 @@ mod tests {
     #[test]
     fn a_near_word_is_proposed_and_a_far_one_is_not() {
         assert_eq!(did_you_mean("radus", ["center", "radius"]), Some("radius"));
+        assert_eq!(did_you_mean("iro", ["center", "ior"]), Some("ior"));
         assert_eq!(did_you_mean("zzz", ["center", "radius"]), None);
     }
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::{Imported, toml};
+use super::{Imported, mitsuba, toml};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Endings of the scene files that [`load`] reads.
-pub const FORMATS: [&str; 1] = ["toml"];
+pub const FORMATS: [&str; 2] = ["toml", "xml"];
 
 /// What a user may say about how a scene file is to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +33,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
             }
             toml::read(path)
         }
+        Some("xml") => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
         Some(other) => {
             let error = Error::new(format!("cannot read '{}': unknown scene format '.{other}'", path.display()));
             Err(match did_you_mean(other, FORMATS) {
@@ -59,14 +60,14 @@ mod tests {
     #[test]
     fn an_unknown_ending_names_the_known_ones() {
         let message = message(Path::new("scene.blend"));
-        assert_eq!(message, "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml");
+        assert_eq!(message, "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml");
     }
 
     #[test]
     fn a_name_without_ending_names_the_known_ones() {
         assert_eq!(
             message(Path::new("scene")),
-            "cannot read 'scene': its name has no ending; scene files end in .toml"
+            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml"
         );
     }
 

@@ -3,6 +3,7 @@
 mod files;
 pub mod load;
 mod mesh;
+pub mod mitsuba;
 pub mod obj;
 pub mod ply;
 pub mod serialized;

@@ -1,0 +1,174 @@
+//! Mitsuba 3 and 0.6 scene files.
+//!
+//! A file becomes a `Document` first: objects with typed properties, with parameters filled in, includes
+//! read and references resolved. Each kind of object then has its file here that turns it into its part of the
+//! [`SceneDescription`]. What a plugin asks for counts as understood; the rest is a warning.
+//!
+//! Where we differ on purpose: points and lookats may leave out axes and `up`; the camera may be scaled; colours
+//! above 1 and unknown parameters are not refused here; clip planes hide nothing; black bodies and `uniform`,
+//! `regular` and `irregular` spectra work in RGB; a blend of mirror and diffuse keeps its energy.
+//!
+//! Facts about Mitsuba in comments were found by asking Mitsuba 3.9.1 (`scalar_rgb`).
+
+mod bsdf;
+mod document;
+mod emitter;
+mod integrator;
+mod named;
+mod observer;
+mod parse;
+mod query;
+mod sensor;
+mod shape;
+mod source;
+mod spectrum;
+#[cfg(test)]
+mod tests;
+mod texture;
+mod transform;
+mod value;
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use glam::DVec3;
+
+use self::document::{Document, Kind, Spot};
+use self::query::Query;
+use self::source::{Disk, Folder};
+use super::Imported;
+use crate::error::{Error, Result, Warning};
+use crate::scene::SceneDescription;
+
+/// How to read a Mitsuba file.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Values for the file's `$name` parameters, before its own `default`s: name without `$`, and value.
+    pub defines: Vec<(String, String)>,
+}
+
+/// Reads a Mitsuba scene file, version 3, 2 or 0.x. Files that it names stay relative to its folder.
+///
+/// # Errors
+/// Where the file cannot be read, is not XML, uses a parameter without a value or an id that does not exist, or
+/// holds a value of the wrong sort; with the place. What Mitsuba can and we cannot is a warning.
+pub fn read(path: &Path, options: &Options) -> Result<Imported> {
+    let folder = Disk(path.parent().unwrap_or(Path::new("")).to_path_buf());
+    match path.file_name() {
+        Some(name) => read_from(&folder, Path::new(name), options),
+        None => Err(Error::new(format!("'{}' is not a file", path.display()))),
+    }
+}
+
+fn read_from(folder: &dyn Folder, main: &Path, options: &Options) -> Result<Imported> {
+    let (document, warnings) = parse::parse(folder, main, &options.defines)?;
+    let imported = Imported { warnings, ..Imported::default() };
+    let importer = Importer {
+        document: &document,
+        imported,
+        materials: HashMap::new(),
+        textures: HashMap::new(),
+        warned: HashSet::new(),
+        visits: 0,
+    };
+    importer.scene()
+}
+
+/// How deep an object may lie in objects of its kind.
+const DEEPEST_NESTING: usize = 16;
+
+/// A description in the making.
+struct Importer<'a> {
+    document: &'a Document,
+    imported: Imported,
+    /// Names in the description of materials that are in it already, by object.
+    materials: HashMap<usize, String>,
+    /// Likewise of textures.
+    textures: HashMap<usize, String>,
+    /// Warnings given already, by file, offset and message.
+    warned: HashSet<(usize, usize, String)>,
+    /// Objects visited inside others.
+    visits: usize,
+}
+
+impl<'a> Importer<'a> {
+    fn scene(mut self) -> Result<Imported> {
+        let mut sensors = Vec::new();
+        let mut integrators = Vec::new();
+        for &object in &self.document.scene {
+            match self.document.objects[object].kind {
+                Kind::Sensor => sensors.push(object),
+                Kind::Integrator => integrators.push(object),
+                Kind::Shape => self.shape(object)?,
+                Kind::Bsdf => self.named_bsdf(object)?,
+                Kind::Emitter => self.light(object)?,
+                // The shape that refers to a medium says that it is left out; textures wait for their BSDF.
+                Kind::Medium | Kind::Texture | Kind::Spectrum | Kind::Volume | Kind::Phase => {}
+                Kind::Sampler | Kind::Film | Kind::Filter | Kind::Subsurface => {
+                    self.left_out(object, "left out");
+                }
+            }
+        }
+        self.integrator(&integrators)?;
+        self.sensor(&sensors)?;
+        Ok(self.imported)
+    }
+
+    fn query(&self, object: usize) -> Query<'a> {
+        Query::new(self.document, object)
+    }
+
+    fn description(&mut self) -> &mut SceneDescription {
+        &mut self.imported.description
+    }
+
+    /// Counts a visit to an object inside others. References make nets of them, whose paths may be far more than
+    /// the file has bytes.
+    fn visit(&mut self, query: Query, depth: usize) -> Result<()> {
+        self.visits += 1;
+        if depth >= DEEPEST_NESTING || self.visits > 10_000 + 16 * self.document.objects.len() {
+            let kind = query.object.kind.tag();
+            return Err(query.fault("", format!("this {kind} is nested too deeply; perhaps it contains itself")));
+        }
+        Ok(())
+    }
+
+    /// Warns, once for each place and message.
+    fn warn(&mut self, spot: Spot, message: impl Into<String>) {
+        let message = message.into();
+        if self.warned.insert((spot.source, spot.start, message.clone())) {
+            let warning = Warning::new(message).with_place(self.document.place(spot));
+            self.imported.warnings.push(warning);
+        }
+    }
+
+    /// Warns that a plugin is not what it should be: `instead` says what was done.
+    fn left_out(&mut self, object: usize, instead: &str) {
+        let object = &self.document.objects[object];
+        self.warn(object.spot, format!("{} '{}' is not supported: {instead}", object.kind.tag(), object.plugin));
+    }
+
+    /// Warns of all that `query` was not asked for.
+    fn leftovers(&mut self, query: Query) {
+        for (spot, message) in query.leftovers() {
+            self.warn(spot, message);
+        }
+    }
+
+    fn note(&mut self, key: impl Into<String>, spot: Spot) {
+        let place = self.document.place(spot);
+        self.imported.places.note(key, place);
+    }
+
+    /// Notes the places of properties whose names in the description differ from the file's: `(ours, theirs)`.
+    fn note_all(&mut self, key: &str, query: Query, names: &[(&str, &str)]) {
+        for (ours, theirs) in names {
+            self.note(format!("{key}.{ours}"), query.spot(theirs));
+        }
+    }
+}
+
+/// A point or vector in the precision of a description.
+fn single(vector: DVec3) -> [f32; 3] {
+    vector.as_vec3().to_array()
+}
