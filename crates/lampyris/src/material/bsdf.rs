@@ -19,6 +19,10 @@ pub trait Scatter {
     /// The value of the smooth lobes in 1/sr, without a cosine.
     fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum;
 
+    /// The value of [`Scatter::eval`] where it is the same for all directions on the side of `to_previous`, and zero on
+    /// the other: density estimation need not ask for every photon then.
+    fn even(&self, to_previous: Vec3) -> Option<Spectrum>;
+
     /// The density per solid angle with which [`Scatter::sample`] draws `to_next` for this smooth event.
     fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32;
 
@@ -159,6 +163,15 @@ impl Bsdf {
         value
     }
 
+    /// The value of [`Bsdf::eval`] where it is the same for all directions on the side of `to_previous`, and zero on the
+    /// other.
+    #[inline]
+    pub fn even(&self, to_previous: Vec3) -> Option<Spectrum> {
+        self.parts().iter().try_fold(Spectrum::ZERO, |sum, part| {
+            Some(sum + part.model.scatter().even(part.turned(to_previous))? * part.weight)
+        })
+    }
+
     /// The density per solid angle with which [`Bsdf::sample`], allowed to `follow` these lobes, draws `to_next`
     /// through a smooth event.
     pub fn pdf(&self, to_previous: Vec3, to_next: Vec3, follow: Lobes) -> f32 {
@@ -174,7 +187,8 @@ impl Bsdf {
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
         let weights = self.weights(to_previous, follow);
-        let (slot, probability, total) = choose_event(weights.as_flattened(), sampler.uniform())?;
+        let used = weights[..usize::from(self.count)].as_flattened();
+        let (slot, probability, total) = choose_event(used, sampler.uniform())?;
         let (part, event) = (&self.parts[slot / 4], Event::ALL[slot % 4]);
         let local = part.turned(to_previous);
         let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square())?;

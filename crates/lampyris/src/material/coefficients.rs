@@ -59,6 +59,10 @@ impl Scatter for Coefficients {
         if diffuse::same_side(to_previous, to_next) { self.kd / PI } else { Spectrum::ZERO }
     }
 
+    fn even(&self, _: Vec3) -> Option<Spectrum> {
+        Some(self.kd / PI)
+    }
+
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
         diffuse::pdf(to_previous, to_next)
     }

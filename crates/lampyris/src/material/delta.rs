@@ -63,6 +63,10 @@ macro_rules! one_direction {
                 Spectrum::ZERO
             }
 
+            fn even(&self, _: Vec3) -> Option<Spectrum> {
+                Some(Spectrum::ZERO)
+            }
+
             fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {
                 0.0
             }

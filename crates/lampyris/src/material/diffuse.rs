@@ -29,6 +29,11 @@ impl Scatter for Diffuse {
     }
 
     #[inline]
+    fn even(&self, _: Vec3) -> Option<Spectrum> {
+        Some(self.reflectance / PI)
+    }
+
+    #[inline]
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
         pdf(to_previous, to_next)
     }

@@ -38,6 +38,10 @@ impl Scatter for Glass {
         Spectrum::ZERO
     }
 
+    fn even(&self, _: Vec3) -> Option<Spectrum> {
+        Some(Spectrum::ZERO)
+    }
+
     fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {
         0.0
     }
@@ -57,6 +61,10 @@ impl Scatter for ThinGlass {
 
     fn eval(&self, _: Vec3, _: Vec3) -> Spectrum {
         Spectrum::ZERO
+    }
+
+    fn even(&self, _: Vec3) -> Option<Spectrum> {
+        Some(Spectrum::ZERO)
     }
 
     fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {

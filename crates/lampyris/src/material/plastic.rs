@@ -59,6 +59,10 @@ impl Scatter for Plastic {
         self.base * (transmitted(to_previous.z) * transmitted(to_next.z) / (PI * self.ior * self.ior))
     }
 
+    fn even(&self, _: Vec3) -> Option<Spectrum> {
+        None
+    }
+
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
         diffuse::pdf(to_previous, to_next)
     }

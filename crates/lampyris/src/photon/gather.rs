@@ -37,25 +37,31 @@ impl Estimate<'_> {
         } else {
             point.surface.normal
         };
+        let even = point.bsdf.even(point.frame.to_local(point.to_previous));
         let mut sum = Spectrum::ZERO;
-        let mut add = |photon: &Photon, distance_squared: f32, radius: f32| {
+        let mut add = |photon: &Photon, weight: f32| {
+            let to_light = -photon.direction;
             if photon.bounce <= max_bounces && photon.normal.dot(normal) > SAME_SURFACE {
-                let to_light = -photon.direction;
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
-                let weight =
-                    self.kernel.density::<2>(distance_squared, radius) / point.geometric_over_shading(to_light);
-                sum += point.eval(to_light) * photon.flux * weight;
+                let light = photon.flux * (weight / point.geometric_over_shading(to_light));
+                sum += match even {
+                    Some(_) if point.same_side(to_light) => light,
+                    Some(_) => Spectrum::ZERO,
+                    None => point.eval(to_light) * light,
+                };
             }
         };
         match self.radius {
             Radius::Fixed(radius) => {
-                self.map.within(center, radius, |photon, distance_squared| add(photon, distance_squared, radius));
+                let weight = self.kernel.weight::<2>(radius);
+                self.map.within(center, radius, |photon, distance_squared| add(photon, weight(distance_squared)));
             }
             Radius::Nearest { count, max_radius } => {
                 let (radius, photons) = self.map.nearest(center, count, max_radius, found);
-                photons.for_each(|(photon, distance_squared)| add(photon, distance_squared, radius));
+                let weight = self.kernel.weight::<2>(radius);
+                photons.for_each(|(photon, distance_squared)| add(photon, weight(distance_squared)));
             }
         }
-        sum / self.map.paths_emitted() as f32
+        sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
     }
 }

@@ -18,13 +18,19 @@ impl Kernel {
     /// In this form it serves the k-nearest estimate as well: given the distance of the k-th photon, the k - 1 nearer
     /// ones are uniform in the ball, so that their kernels sum to (k - 1) / volume on average, which is the density
     /// without bias [García et al. 2012]. The k-th itself must not be counted.
-    #[inline]
     pub fn density<const D: usize>(self, distance_squared: f32, radius: f32) -> f32 {
-        let s2 = distance_squared / (radius * radius);
-        if s2 >= 1.0 {
-            return 0.0;
+        self.weight::<D>(radius)(distance_squared)
+    }
+
+    /// [`Kernel::density`] as a function of the squared distance alone, for many photons within one radius.
+    #[inline]
+    pub fn weight<const D: usize>(self, radius: f32) -> impl Fn(f32) -> f32 {
+        let scale = Kernel::normalisation::<D>(self) / radius.powi(D as i32);
+        let radius_squared = radius * radius;
+        move |distance_squared| {
+            let s2 = distance_squared / radius_squared;
+            if s2 >= 1.0 { 0.0 } else { self.profile(s2) * scale }
         }
-        self.profile(s2) * Kernel::normalisation::<D>(self) / radius.powi(D as i32)
     }
 
     /// The shape, 1 in the middle, by the squared relative distance.

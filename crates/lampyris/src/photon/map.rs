@@ -4,6 +4,7 @@
 //! kind of data (photons on surfaces, coherent queries) that beats a kd-tree two to one (`docs/performance.md`).
 
 use glam::{UVec3, Vec3};
+use rayon::prelude::*;
 
 use super::{Nearest, Photon, Radius};
 use crate::geometry::Bounds;
@@ -12,8 +13,8 @@ use crate::geometry::Bounds;
 #[derive(Debug)]
 pub struct PhotonMap {
     photons: Vec<Photon>,
-    /// Positions of `photons` once more, close together for the search.
-    positions: Vec<Vec3>,
+    /// Positions of `photons` once more, axis by axis, so that the search computes several distances at once.
+    positions: [Vec<f32>; 3],
     grid: Grid,
     paths_emitted: u64,
 }
@@ -32,16 +33,15 @@ impl PhotonMap {
     /// Sorts the photons of `paths_emitted` light paths for queries with about this radius. Equal photons in equal
     /// order give an equal map.
     pub fn build(photons: Vec<Photon>, paths_emitted: u64, radius: Radius) -> PhotonMap {
+        let points: Vec<Vec3> = photons.par_iter().map(|photon| photon.position).collect();
         let cell = match radius {
             Radius::Fixed(radius) => radius,
-            Radius::Nearest { count, max_radius } => {
-                typical_distance(photons.iter().map(|photon| photon.position), photons.len(), count).min(max_radius)
-            }
+            Radius::Nearest { count, max_radius } => typical_distance(&points, count).min(max_radius),
         };
-        let (grid, order) = Grid::sort(photons.iter().map(|photon| photon.position), photons.len(), cell);
-        let photons: Vec<Photon> = order.iter().map(|&index| photons[index as usize]).collect();
-        let positions = photons.iter().map(|photon| photon.position).collect();
-        PhotonMap { photons, positions, grid, paths_emitted }
+        let (grid, order) = Grid::sort(&points, cell);
+        let photons = order.par_iter().map(|&index| photons[index as usize]).collect();
+        let axis = |axis: usize| order.par_iter().map(|&index| points[index as usize][axis]).collect();
+        PhotonMap { photons, positions: [axis(0), axis(1), axis(2)], grid, paths_emitted }
     }
 
     /// All photons, sorted by cell.
@@ -57,13 +57,32 @@ impl PhotonMap {
     /// Calls `visit` with every photon nearer to `center` than `radius`, and its squared distance.
     #[inline]
     pub fn within(&self, center: Vec3, radius: f32, mut visit: impl FnMut(&Photon, f32)) {
+        self.near(center, radius, |index, distance_squared| visit(&self.photons[index], distance_squared));
+    }
+
+    /// Calls `visit` with the number of every photon nearer to `center` than `radius`, and its squared distance.
+    #[inline]
+    fn near(&self, center: Vec3, radius: f32, mut visit: impl FnMut(usize, f32)) {
         let limit = radius * radius;
+        let [xs, ys, zs] = &self.positions;
         self.grid.rows(center, radius, |first, last| {
-            for index in first..last {
-                let distance_squared = self.positions[index].distance_squared(center);
-                if distance_squared < limit {
-                    visit(&self.photons[index], distance_squared);
+            let (xs, ys, zs) = (&xs[first..last], &ys[first..last], &zs[first..last]);
+            // Distances in groups, without a branch, so that the compiler can compute them side by side.
+            let mut start = 0;
+            while start < xs.len() {
+                let count = (xs.len() - start).min(GROUP);
+                let mut distances = [f32::INFINITY; GROUP];
+                let group = xs[start..][..count].iter().zip(&ys[start..][..count]).zip(&zs[start..][..count]);
+                for (distance, ((x, y), z)) in distances.iter_mut().zip(group) {
+                    let (dx, dy, dz) = (x - center.x, y - center.y, z - center.z);
+                    *distance = dx * dx + dy * dy + dz * dz;
                 }
+                for (offset, &distance_squared) in distances.iter().enumerate() {
+                    if distance_squared < limit {
+                        visit(first + start + offset, distance_squared);
+                    }
+                }
+                start += count;
             }
         });
     }
@@ -101,15 +120,7 @@ impl Nearest {
     /// Candidates in the order of the map, which does not depend on `reach`: sums over them keep their order.
     fn collect(&mut self, map: &PhotonMap, center: Vec3, reach: f32) {
         self.candidates.clear();
-        let limit = reach * reach;
-        map.grid.rows(center, reach, |first, last| {
-            for (offset, position) in map.positions[first..last].iter().enumerate() {
-                let distance_squared = position.distance_squared(center);
-                if distance_squared < limit {
-                    self.candidates.push((distance_squared, (first + offset) as u32));
-                }
-            }
-        });
+        map.near(center, reach, |index, distance_squared| self.candidates.push((distance_squared, index as u32)));
     }
 
     fn nth_distance_squared(&mut self, count: usize) -> f32 {
@@ -119,15 +130,17 @@ impl Nearest {
     }
 }
 
+/// So many distances are computed side by side.
+const GROUP: usize = 8;
+
 /// At most this many cells for each photon.
 const CELLS_PER_PHOTON: usize = 8;
 
 impl Grid {
     /// A grid of cells of about this size, and the order of the points in it.
-    fn sort(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize, cell: f32) -> (Grid, Vec<u32>) {
-        let bounds = robust_bounds(points.clone(), count);
-        let mut grid = Grid::sized(&bounds, cell, (CELLS_PER_PHOTON * count).max(64));
-        let cells: Vec<u32> = points.map(|point| grid.cell_of(point)).collect();
+    fn sort(points: &[Vec3], cell: f32) -> (Grid, Vec<u32>) {
+        let mut grid = Grid::sized(&robust_bounds(points), cell, (CELLS_PER_PHOTON * points.len()).max(64));
+        let cells: Vec<u32> = points.par_iter().map(|&point| grid.cell_of(point)).collect();
         grid.starts = vec![0; grid.size.element_product() as usize + 1];
         for &cell in &cells {
             grid.starts[cell as usize + 1] += 1;
@@ -136,7 +149,7 @@ impl Grid {
             grid.starts[cell] += grid.starts[cell - 1];
         }
         let mut next = grid.starts.clone();
-        let mut order = vec![0; count];
+        let mut order = vec![0; points.len()];
         for (index, &cell) in cells.iter().enumerate() {
             let place = &mut next[cell as usize];
             order[*place as usize] = index as u32;
@@ -194,8 +207,8 @@ impl Grid {
 
 /// The box that holds nearly all points: a few far ones (photons run far on an infinite plane) must not make the cells
 /// of all others large.
-fn robust_bounds(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize) -> Bounds {
-    let sample: Vec<Vec3> = points.step_by((count / 4096).max(1)).collect();
+fn robust_bounds(points: &[Vec3]) -> Bounds {
+    let sample: Vec<Vec3> = points.iter().step_by((points.len() / 4096).max(1)).copied().collect();
     let sorted = |axis: usize| {
         let mut values: Vec<f32> = sample.iter().map(|point| point[axis]).collect();
         values.sort_unstable_by(f32::total_cmp);
@@ -218,10 +231,10 @@ fn robust_bounds(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usi
 
 /// About how far the `count`-th nearest photon is from a typical photon, as if they lay on a surface: the median over
 /// some photons of the distance to their eighth nearest within a thinned-out set, scaled.
-fn typical_distance(points: impl ExactSizeIterator<Item = Vec3> + Clone, count: usize, nearest: usize) -> f32 {
+fn typical_distance(points: &[Vec3], nearest: usize) -> f32 {
     const EIGHTH: usize = 8;
-    let thinning = (count / 4096).max(1);
-    let thinned: Vec<Vec3> = points.step_by(thinning).collect();
+    let thinning = (points.len() / 4096).max(1);
+    let thinned: Vec<Vec3> = points.iter().step_by(thinning).copied().collect();
     let mut distances: Vec<f32> = thinned
         .iter()
         .step_by((thinned.len() / 64).max(1))

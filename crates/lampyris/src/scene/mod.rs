@@ -76,6 +76,12 @@ impl SurfacePoint {
         self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next))
     }
 
+    /// Whether a direction (world) lies on the side of the shading normal on which the previous point does.
+    #[inline]
+    pub fn same_side(&self, to_next: Vec3) -> bool {
+        self.frame.normal.dot(self.to_previous) * self.frame.normal.dot(to_next) > 0.0
+    }
+
     /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.
     #[inline]
     pub fn pdf(&self, to_next: Vec3, follow: Lobes) -> f32 {
