@@ -67,6 +67,11 @@ impl Image {
     }
 }
 
+/// What a display can show of a value: cut off at 0 and 1, and 0 for what is no number.
+pub(crate) fn displayable(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
 /// Relative luminance of linear sRGB, ITU-R BT.709.
 pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.212_671 * r + 0.715_16 * g + 0.072_169 * b

@@ -12,6 +12,7 @@
 //! An [`integrator`] is no more than the first rays of its walks and a visitor of them.
 
 pub mod camera;
+pub mod compare;
 pub mod error;
 pub mod film;
 pub mod geometry;
@@ -28,4 +29,5 @@ pub mod sampler;
 pub mod scene;
 pub mod spectrum;
 pub mod texture;
+pub mod tonemap;
 pub mod transport;

@@ -24,8 +24,8 @@ pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
 fn representable(pixel: [f32; 3]) -> [f32; 3] {
     const LARGEST: f32 = 1.0e38;
     const SMALLEST: f32 = 1.0e-38;
-    // `max` takes the number where the other is none.
-    let pixel = pixel.map(|value| value.max(0.0).min(LARGEST));
+    // What is no number becomes 0.
+    let pixel = pixel.map(|value| if value > 0.0 { value.min(LARGEST) } else { 0.0 });
     let largest = pixel.into_iter().fold(0.0, f32::max);
     if largest < SMALLEST {
         return [0.0; 3];

@@ -8,7 +8,7 @@ use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Image
 use super::limits::check_size;
 use super::{Decoded, Values};
 use crate::error::{Error, Result};
-use crate::image::Image;
+use crate::image::{Image, displayable};
 use crate::spectrum::linear_to_srgb;
 
 /// Values are cut off at 0 and 1; what is not a number becomes 0.
@@ -25,8 +25,7 @@ pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
 }
 
 fn code(linear: f32) -> u8 {
-    // `as` takes NaN to 0.
-    (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+    (linear_to_srgb(displayable(linear)) * 255.0).round() as u8
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded> {
