@@ -99,7 +99,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = positive_count, allow_negative_numbers = true, conflicts_with = "time")]
     pub passes: Option<NonZeroU32>,
 
-    /// Render as many passes as fit in this time, such as 60s, 1.5m or 500ms
+    /// Render for this time, such as 60s, 1.5m or 500ms, and to the end of the pass under way then
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
 

@@ -23,8 +23,30 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     written.map_err(|error| Error::io(path, "write", &error))
 }
 
+/// Finds what would stop [`write_whole`] from writing to `path`: it makes the empty file that would take the name in the
+/// end, and removes it again. What is no regular file is not tried.
+///
+/// # Errors
+/// As [`write_whole`], except that a disk may still fill up.
+pub fn check_writable(path: &Path) -> Result<()> {
+    check_place(path)?;
+    if is_device_name(path) && path.exists() || std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Ok(());
+    }
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let tried = create_beside(&target).and_then(|(temporary, _)| std::fs::remove_file(temporary));
+    tried.map_err(|error| match error.kind() {
+        // The folder was there a moment ago; it is one in which nobody can make files, such as /proc.
+        ErrorKind::NotFound => {
+            let folder = folder_of(&target);
+            Error::new(format!("cannot write '{}': no file can be made in '{}'", path.display(), folder.display()))
+        }
+        _ => Error::io(path, "write", &error),
+    })
+}
+
 /// What would stop a file from being written to `path`, as far as can be seen without writing.
-pub(super) fn check_place(path: &Path) -> Result<()> {
+fn check_place(path: &Path) -> Result<()> {
     let fail = |kind: ErrorKind| Err(Error::io(path, "write", &kind.into()));
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return fail(ErrorKind::IsADirectory),
@@ -140,6 +162,21 @@ mod tests {
         std::fs::write(&file, b"").expect("written");
         let through_a_file = write_whole(&file.join("a.bin"), b"x").expect_err("not a folder");
         assert!(through_a_file.message.contains("cannot write"), "{through_a_file}");
+    }
+
+    #[test]
+    fn a_check_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        check_writable(&folder.path().join("a.bin")).expect("a good place");
+        assert!(names_in(folder.path()).is_empty());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files_is_found_before_the_work() {
+        let error = check_writable(Path::new("/proc/a.bin")).expect_err("nobody makes files there");
+        assert!(error.message.contains("no file can be made in '/proc'"), "{error}");
+        check_writable(Path::new("/dev/null")).expect("takes anything");
     }
 
     #[cfg(unix)]

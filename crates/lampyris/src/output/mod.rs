@@ -19,6 +19,7 @@ mod jpeg;
 mod limits;
 mod npy;
 mod pfm;
+mod photons;
 mod png;
 mod ppm;
 #[cfg(test)]
@@ -27,7 +28,8 @@ mod tests;
 use std::io::Read;
 use std::path::Path;
 
-pub use atomic::write_whole;
+pub use atomic::{check_writable, write_whole};
+pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::image::Image;
@@ -93,11 +95,11 @@ pub fn write_image(path: &Path, image: &Image) -> Result<()> {
     write_whole(path, &encode(Format::of(path)?, image)?)
 }
 
-/// Finds what would stop [`write_image`] from writing to `path`, as far as can be seen without writing: the
-/// extension, the folder, and whether `path` is itself a folder or may not be written to.
+/// Finds what would stop [`write_image`] from writing to `path`, before the work of making a picture: the extension,
+/// the folder, and whether `path` is itself a folder or may not be written to.
 pub fn check_path(path: &Path) -> Result<()> {
     Format::of(path)?;
-    atomic::check_place(path)
+    check_writable(path)
 }
 
 /// The bytes of a file in this format.

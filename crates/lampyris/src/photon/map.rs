@@ -1,7 +1,7 @@
 //! The photon map: photons sorted into a grid whose rows are contiguous.
 //!
 //! Cells are numbered x fastest, so that the cells of a query box form one slice of photons for every (y, z). On this
-//! kind of data (photons on surfaces, coherent queries) that beats a kd-tree two to one (`docs/performance.md`).
+//! kind of data (photons on surfaces, coherent queries) that beats a kd-tree two to one (the book, "Performance").
 
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;

@@ -1,0 +1,89 @@
+//! From a scene's arguments to a scene.
+
+use lampyris::error::{Error, Result, Warning};
+use lampyris::import::load::{LoadOptions, load};
+use lampyris::import::{Files, Imported};
+use lampyris::scene::{Built, build};
+
+use crate::args::{ChangeArguments, SceneArguments};
+use crate::report::{Failure, warn};
+
+/// Reads the scene file and checks what it sets.
+///
+/// # Errors
+/// Whatever is wrong with the file, with its place.
+pub fn read(arguments: &SceneArguments) -> Result<Imported> {
+    let imported = load(&arguments.scene, &LoadOptions { defines: arguments.defines.clone() })?;
+    match imported.description.check_settings() {
+        Ok(()) => Ok(imported),
+        Err(error) => Err(imported.places.locate(error).with_file(&arguments.scene)),
+    }
+}
+
+/// Changes what the file sets to what the command line does.
+///
+/// # Errors
+/// An unknown key, or a value that makes no sense.
+pub fn change(imported: &mut Imported, changes: &ChangeArguments) -> Result<()> {
+    let scene = &mut imported.description;
+    for (key, value) in &changes.settings {
+        scene.set(key, value)?;
+    }
+    if let Some(seed) = changes.seed {
+        scene.render.seed = seed;
+    }
+    scene.check_settings()
+}
+
+/// Builds the scene, with the files beside it.
+///
+/// # Errors
+/// Whatever makes no sense in it, with its place.
+pub fn ready(arguments: &SceneArguments, imported: &Imported, set: &[(String, String)]) -> Result<Built> {
+    build(&imported.description, &Files::beside(&arguments.scene)).map_err(|error| {
+        match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
+            // The line in the file is not to blame for what the command line put in its place.
+            Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
+            None => imported.places.locate(error).with_file(&arguments.scene),
+        }
+    })
+}
+
+/// Whether a setting of this name changes the key, or a part of it: `up` does `camera.up`.
+fn names(setting: &str, key: &str) -> bool {
+    let (setting, key) = (setting.replace('_', "-"), key.trim_start_matches('/'));
+    let in_section = ["integrator.", "film.", "camera.", "render."].iter().find_map(|name| key.strip_prefix(name));
+    key == setting || in_section == Some(&setting)
+}
+
+/// Tells of warnings, unless `quiet`.
+///
+/// # Errors
+/// The warnings themselves, if `strict`.
+pub fn heed(warnings: &[Warning], strict: bool, quiet: bool) -> Result<(), Failure> {
+    if strict {
+        return Failure::if_any(warnings.to_vec());
+    }
+    if !quiet {
+        warnings.iter().for_each(warn);
+    }
+    Ok(())
+}
+
+/// All that the user should know of: what the file has that we leave out, and what is odd about the scene.
+pub fn warnings(arguments: &SceneArguments, imported: &Imported, built: &Built) -> Vec<Warning> {
+    let odd = built.warnings.iter().map(|warning| imported.places.locate(warning.clone()));
+    imported.warnings.iter().cloned().chain(odd).map(|warning| warning.with_file(&arguments.scene)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_names_its_key_with_or_without_the_section() {
+        assert!(names("up", "camera.up") && names("camera.up", "camera.up"));
+        assert!(names("focus_distance", "camera.focus-distance"));
+        assert!(!names("up", "shapes[0].up") && !names("p", "camera.up"));
+    }
+}
