@@ -97,7 +97,7 @@ impl<'m> Progress<'m> {
         };
         if is_shown {
             state.error = film.relative_error();
-            self.show(&mut state);
+            self.show(&mut state, false);
         }
     }
 
@@ -113,9 +113,9 @@ impl<'m> Progress<'m> {
         }
     }
 
-    fn show(&self, state: &mut State) {
+    fn show(&self, state: &mut State, is_under_way: bool) {
         state.shown = Instant::now();
-        let (where_we_are, speed) = (self.where_we_are(state), self.speed(state.error));
+        let (where_we_are, speed) = (self.where_we_are(state.passes, is_under_way), self.speed(state.error));
         match &self.display {
             Display::Quiet => {}
             Display::Lines => say(&format!("{where_we_are}; {speed}")),
@@ -127,20 +127,20 @@ impl<'m> Progress<'m> {
         }
     }
 
-    fn where_we_are(&self, state: &State) -> String {
-        let (passes, reading, elapsed) = (state.passes, self.meter.read(), self.meter.rendering());
+    fn where_we_are(&self, passes: u32, is_under_way: bool) -> String {
+        let (reading, elapsed) = (self.meter.read(), self.meter.rendering());
         let of = match self.budget {
             Budget::Passes(most) => format!(" of {most}"),
             Budget::Time(_) => String::new(),
         };
-        let stage = match reading.stage {
-            Stage::Pilot | Stage::Map => format!(" ({})", reading.stage.name()),
-            _ if reading.share >= 1.0 => String::new(),
-            _ => format!(" ({} {})", reading.stage.name(), percent(reading.share)),
+        let pass = match (is_under_way, reading.stage) {
+            (false, _) => format!("pass {passes}{of}"),
+            (true, Stage::Map) => format!("pass {}{of} (map)", passes + 1),
+            (true, stage) => format!("pass {}{of} ({} {})", passes + 1, stage.name(), percent(reading.share)),
         };
         let left = self.budget.time_left(passes, elapsed);
         let left = left.map_or_else(String::new, |left| format!(", about {} left", time(left)));
-        format!("pass {passes}{of}{stage}, {}{left}", time(elapsed))
+        format!("{pass}, {}{left}", time(elapsed))
     }
 
     /// Rays, photons and light paths a second, and the error.
@@ -168,7 +168,7 @@ impl Observer for Progress<'_> {
         if let Ok(mut state) = self.state.try_lock()
             && state.shown.elapsed() >= self.display.interval()
         {
-            self.show(&mut state);
+            self.show(&mut state, true);
         }
     }
 }

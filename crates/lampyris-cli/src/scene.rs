@@ -16,7 +16,7 @@ pub fn read(arguments: &SceneArguments) -> Result<Imported> {
     let imported = load(&arguments.scene, &LoadOptions { defines: arguments.defines.clone() })?;
     match imported.description.check_settings() {
         Ok(()) => Ok(imported),
-        Err(error) => Err(imported.places.locate(error).with_file(&arguments.scene)),
+        Err(error) => Err(located(error, arguments, &imported)),
     }
 }
 
@@ -44,9 +44,15 @@ pub fn ready(arguments: &SceneArguments, imported: &Imported, set: &[(String, St
         match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
             // The line in the file is not to blame for what the command line put in its place.
             Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
-            None => imported.places.locate(error).with_file(&arguments.scene),
+            None => located(error, arguments, imported),
         }
     })
+}
+
+/// The same error where the scene file says what it is about, or at least with the file's name.
+fn located(error: Error, arguments: &SceneArguments, imported: &Imported) -> Error {
+    let error = imported.places.locate(error);
+    if error.place.is_some() { error } else { error.with_file(&arguments.scene) }
 }
 
 /// Whether a setting of this name changes the key, or a part of it: `up` does `camera.up`.
@@ -72,8 +78,8 @@ pub fn heed(warnings: &[Warning], strict: bool, quiet: bool) -> Result<(), Failu
 
 /// All that the user should know of: what the file has that we leave out, and what is odd about the scene.
 pub fn warnings(arguments: &SceneArguments, imported: &Imported, built: &Built) -> Vec<Warning> {
-    let odd = built.warnings.iter().map(|warning| imported.places.locate(warning.clone()));
-    imported.warnings.iter().cloned().chain(odd).map(|warning| warning.with_file(&arguments.scene)).collect()
+    let odd = built.warnings.iter();
+    imported.warnings.iter().chain(odd).map(|warning| located(warning.clone(), arguments, imported)).collect()
 }
 
 #[cfg(test)]

@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 
 /// A floor and a glass ball under a point light, small enough for milliseconds.
-pub(crate) const SCENE: &str = r#"
-[camera]
+pub(crate) const SCENE: &str = r#"[camera]
 origin = [0, 1, -4]
 target = [0, 0.5, 0]
 

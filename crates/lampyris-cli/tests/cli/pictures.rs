@@ -88,8 +88,8 @@ fn statistics_say_what_the_render_did() {
 #[test]
 fn photons_are_written_as_ply_and_csv() {
     let folder = Folder::with_scene(SCENE);
-    folder.run("photons scene.toml -q -o a.csv");
-    folder.run("photons scene.toml -q -o a.ply");
+    folder.run("photons scene.toml -q -o a.csv --set photons=3000");
+    folder.run("photons scene.toml -q -o a.ply --set photons=3000");
     let csv = String::from_utf8(folder.read("a.csv")).expect("text");
     let mut lines = csv.lines();
     let names = lines.next().expect("a line of names");
@@ -107,7 +107,7 @@ fn photons_are_written_as_ply_and_csv() {
     assert_eq!(ply.len() - end, rows.len() * (9 * 4 + 3 + 4 * 4 + 4 + 1));
 
     let caustics = |settings: &str| {
-        folder.run(&format!("photons scene.toml -q -o a.csv {settings}"));
+        folder.run(&format!("photons scene.toml -q -o a.csv --set photons=3000 {settings}"));
         folder.read("a.csv").iter().filter(|&&byte| byte == b'\n').count() - 1
     };
     assert!(caustics("--set direct=next-event") < rows.len(), "direct photons are left out on demand");
