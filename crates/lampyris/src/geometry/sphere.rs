@@ -54,8 +54,7 @@ impl Sphere {
         let local = self.to_local * normal;
         let around = local.y.atan2(local.x) / TAU;
         let uv = Vec2::new(if around < 0.0 { around + 1.0 } else { around }, local.z.clamp(-1.0, 1.0).acos() / PI);
-        let error = RELATIVE_ERROR * (self.center.abs().max_element() + self.radius);
-        Surface::flat(self.center + normal * self.radius, normal, uv, error)
+        Surface::flat(self.center + normal * self.radius, normal, uv, self.error())
     }
 
     /// Surface area.
@@ -84,12 +83,19 @@ impl Sphere {
         self.cone_from(from).map(warp::cone_pdf)
     }
 
-    /// Cosine of half the angle under which the sphere is seen; none from inside, or where the cone is too thin to
-    /// tell its cosine from 1.
+    /// Cosine of half the angle under which the sphere is seen; none from inside or from the sphere itself, which
+    /// rounding may put a little outside, or where the cone is too thin to tell its cosine from 1.
     fn cone_from(&self, from: Vec3) -> Option<f32> {
-        let sin2 = (f64::from(self.radius) / (self.center - from).as_dvec3().length()).powi(2);
+        let distance = (self.center.as_dvec3() - from.as_dvec3()).length();
+        let sin2 = (f64::from(self.radius) / distance).powi(2);
         let cos_max = (1.0 - sin2).max(0.0).sqrt() as f32;
-        (sin2 < 1.0 && cos_max < 0.999_999).then_some(cos_max)
+        let outside = distance > f64::from(self.radius + 4.0 * self.error());
+        (outside && cos_max < 0.999_999).then_some(cos_max)
+    }
+
+    /// How far rounding can put a point off the sphere.
+    fn error(&self) -> f32 {
+        RELATIVE_ERROR * (self.center.abs().max_element() + self.radius)
     }
 
     /// The box around it.
@@ -101,6 +107,19 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Seen from itself, as from inside a glowing shell, a sphere has no cone, whichever way its points are rounded.
+    #[test]
+    fn from_a_sphere_itself_there_is_no_cone() {
+        let sphere = Sphere::new(Vec3::new(3.0, -2.0, 0.7), 0.9, Mat3::IDENTITY);
+        for index in 0..1000 {
+            let u = Vec2::new((index as f32 * 0.618_034).fract(), (index as f32 + 0.5) / 1000.0);
+            let surface = sphere.sample(u);
+            assert_eq!(sphere.pdf_from(surface.position), None);
+            assert_eq!(sphere.pdf_from(surface.offset(-surface.normal)), None);
+        }
+        assert!(sphere.pdf_from(Vec3::new(3.0, -2.0, 1.7)).is_some());
+    }
 
     #[test]
     fn a_ray_from_outside_meets_the_near_side_and_from_inside_the_far_one() {

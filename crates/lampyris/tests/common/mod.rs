@@ -1,0 +1,83 @@
+//! What all tests of light share: scenes from text, renders of them, and statistics with stated odds.
+
+#![allow(dead_code, reason = "every test file uses another part of it")]
+
+pub mod statistics;
+
+use std::path::Path;
+
+use lampyris::image::Image;
+use lampyris::import::toml::read_str;
+use lampyris::integrator::{Pass, PhotonMapping, Silent};
+use lampyris::photon::PhotonMap;
+use lampyris::render::Render;
+use lampyris::scene::description::{IntegratorDescription, SceneDescription};
+use lampyris::scene::{NoAssets, Scene, build};
+
+/// A scene with the description that it was built from.
+pub struct Lit {
+    pub description: SceneDescription,
+    pub scene: Scene,
+}
+
+/// The description in the text of a scene file.
+pub fn described(text: &str) -> SceneDescription {
+    read_str(Path::new("test.toml"), text).unwrap_or_else(|error| panic!("{error}\n{text}")).description
+}
+
+/// The scene in the text of a scene file, with settings such as `integrator=path` or `photons=1000`, by spaces.
+pub fn lit(text: &str, settings: &str) -> Lit {
+    built(described(text), settings)
+}
+
+/// The same from a description.
+pub fn built(mut description: SceneDescription, settings: &str) -> Lit {
+    for setting in settings.split_whitespace() {
+        let (key, value) = setting.split_once('=').expect("key=value");
+        if key == "integrator" {
+            description.use_integrator(value).unwrap_or_else(|error| panic!("{error}"));
+        } else {
+            description.set(key, value).unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+    let scene = build(&description, &NoAssets).unwrap_or_else(|error| panic!("{error}")).scene;
+    Lit { description, scene }
+}
+
+impl Lit {
+    /// The mean picture of so many passes.
+    pub fn image(&self, passes: u32) -> Image {
+        let mut render = Render::new(&self.scene, &self.description, &Silent);
+        (0..passes).for_each(|_| render.step(&Silent));
+        render.film().image()
+    }
+
+    /// The picture of each pass.
+    pub fn passes(&self, passes: u32) -> Vec<Image> {
+        let Lit { description, scene } = self;
+        let (film, seed) = (&description.film, description.render.seed);
+        let integrator = lampyris::integrator::integrator(scene, film, &description.integrator, seed, &Silent);
+        (0..passes).map(|index| integrator.pass(scene, film, &Pass { index, seed }, &Silent)).collect()
+    }
+
+    /// For each pass the mean over the picture, per channel.
+    pub fn means(&self, passes: u32) -> [Vec<f64>; 3] {
+        let images = self.passes(passes);
+        [0, 1, 2].map(|channel| images.iter().map(|image| channel_mean(image, channel)).collect())
+    }
+
+    /// The photon map of a pass.
+    pub fn map(&self, pass: u32) -> PhotonMap {
+        let IntegratorDescription::PhotonMap(settings) = &self.description.integrator else {
+            panic!("not a photon map");
+        };
+        let (film, seed) = (&self.description.film, self.description.render.seed);
+        let mapping = PhotonMapping::new(&self.scene, film, settings.clone(), seed, &Silent);
+        mapping.map(&self.scene, &Pass { index: pass, seed }, &Silent)
+    }
+}
+
+/// The mean over the picture of one channel.
+pub fn channel_mean(image: &Image, channel: usize) -> f64 {
+    image.pixels().iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / image.pixels().len() as f64
+}
