@@ -110,8 +110,10 @@ pub(super) fn photon_map(
     let new = || Deposit { photons: Vec::new(), direct, max_bounces };
     let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
     observer.phase(Phase::Map);
-    let photons: Vec<Vec<Photon>> = blocks.into_iter().map(|block| block.photons).collect();
-    let map = PhotonMap::build(photons.concat(), paths, radius);
+    // Block by block, each freed once it is copied.
+    let mut photons = Vec::with_capacity(blocks.iter().map(|block| block.photons.len()).sum());
+    blocks.into_iter().for_each(|block| photons.extend(block.photons));
+    let map = PhotonMap::build(photons, paths, radius);
     observer.work(&Work { photons: map.photons().len() as u64, ..Work::default() });
     map
 }

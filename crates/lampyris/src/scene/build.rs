@@ -29,7 +29,7 @@ pub struct Built {
 /// # Errors
 /// The first fault, with its key: no camera, no light, a number out of its range, an unknown name, a broken mesh.
 pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Built> {
-    check::film(&description.film)?;
+    description.check_settings()?;
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();

@@ -3,30 +3,8 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::scene::description::{Color, FilmDescription, FilterDescription, Transform};
+use crate::scene::description::{Color, Transform};
 use crate::spectrum::Spectrum;
-
-/// A picture has at most this many pixels.
-const MAX_PIXELS: u64 = 1 << 28;
-
-pub(super) fn film(film: &FilmDescription) -> Result<()> {
-    let [width, height] = film.size;
-    if width == 0 || height == 0 {
-        return Err(Error::at_key("film.size", format!("the picture of {width}×{height} pixels has no pixel"))
-            .with_hint("give a width and a height of at least 1"));
-    }
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        let message = format!("the picture of {width}×{height} pixels is too large");
-        return Err(
-            Error::at_key("film.size", message).with_hint(format!("at most {MAX_PIXELS} pixels can be rendered"))
-        );
-    }
-    let extent = match film.filter {
-        FilterDescription::Box { radius } | FilterDescription::Tent { radius } => radius,
-        FilterDescription::Gaussian { stddev } => stddev,
-    };
-    above_zero("film.filter", extent).map(|_| ())
-}
 
 pub(super) fn finite(key: &str, value: f32) -> Result<f32> {
     if value.is_finite() {

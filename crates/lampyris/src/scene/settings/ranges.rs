@@ -4,11 +4,14 @@ use super::Settings;
 use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::description::{
-    CameraDescription, FilmDescription, FilterDescription, IntegratorDescription, RenderDescription,
+    BandwidthRule, CameraDescription, FilmDescription, FilterDescription, IntegratorDescription, RenderDescription,
 };
 
-/// Most pixels of a picture: 2²⁸, more than any camera has, and few enough for a machine to hold.
-const MOST_PIXELS: u64 = 1 << 28;
+/// Most pixels of a picture: 2²⁶, 8192 × 8192, which take about five gigabytes while they are rendered.
+const MOST_PIXELS: u64 = 1 << 26;
+
+/// Most light paths of a pass: 2²⁵, whose photons take some gigabytes. More light is a matter of more passes.
+const MOST_PATHS: u32 = 1 << 25;
 
 /// Largest filter, in pixels: beyond it a picture is a blur and every sample touches thousands of pixels.
 const WIDEST_FILTER: f32 = 100.0;
@@ -35,17 +38,28 @@ impl Settings {
 fn integrator(integrator: &IntegratorDescription) -> Result<()> {
     match integrator {
         IntegratorDescription::PhotonMap(settings) => {
-            at_least_one("integrator.photons", settings.photons)?;
+            paths(settings.photons)?;
             at_least_one("integrator.samples", settings.samples)?;
             at_least_one("integrator.k", settings.k)?;
+            if settings.k == 1 && settings.bandwidth == BandwidthRule::Nearest {
+                return Err(Error::at_key("integrator.k", "'k' must be at least 2 for the bandwidth nearest")
+                    .with_hint("the k-th photon gives the radius and is not counted itself"));
+            }
             settings.radius.map_or(Ok(()), |radius| positive("integrator.radius", radius))?;
             between("integrator.alpha", settings.alpha, 0.0, 1.0)
         }
         IntegratorDescription::Path(settings) => at_least_one("integrator.samples", settings.samples),
-        IntegratorDescription::Light(settings) => {
-            settings.photons.map_or(Ok(()), |photons| at_least_one("integrator.photons", photons))
-        }
+        IntegratorDescription::Light(settings) => settings.photons.map_or(Ok(()), paths),
     }
+}
+
+fn paths(photons: u32) -> Result<()> {
+    at_least_one("integrator.photons", photons)?;
+    if photons <= MOST_PATHS {
+        return Ok(());
+    }
+    Err(Error::at_key("integrator.photons", format!("'photons' must be at most {MOST_PATHS} in a pass, not {photons}"))
+        .with_hint("render more passes instead"))
 }
 
 fn film(film: &FilmDescription) -> Result<()> {
@@ -146,6 +160,16 @@ mod tests {
     #[test]
     fn counts_are_at_least_one() {
         fails(&with(|settings| settings.photons = 0), "integrator.photons", "'photons' must be at least 1");
+        fails(
+            &with(|settings| settings.photons = u32::MAX),
+            "integrator.photons",
+            "'photons' must be at most 33554432 in a pass, not 4294967295",
+        );
+        fails(
+            &with(|settings| (settings.k, settings.bandwidth) = (1, BandwidthRule::Nearest)),
+            "integrator.k",
+            "'k' must be at least 2 for the bandwidth nearest",
+        );
         fails(&with(|settings| settings.samples = 0), "integrator.samples", "'samples' must be at least 1");
         fails(&with(|settings| settings.k = 0), "integrator.k", "'k' must be at least 1");
         let path = IntegratorDescription::Path(PathSettings { samples: 0, max_bounces: 1 });
@@ -185,9 +209,9 @@ mod tests {
         fails(
             &sized([u32::MAX, u32::MAX]),
             "film.size",
-            "a picture of 4294967295×4294967295 is too large: at most 268435456 pixels",
+            "a picture of 4294967295×4294967295 is too large: at most 67108864 pixels",
         );
-        sized([16384, 16384]).check_settings().expect("just small enough");
+        sized([8192, 8192]).check_settings().expect("just small enough");
     }
 
     #[test]
