@@ -242,7 +242,7 @@ impl<T: Copy> Tree<T> {
     fn closest(&self, ray: &Ray, max: f32, mut meet: impl FnMut(&T, f32) -> Option<f32>) {
         let mut nearest = RayHit::none();
         self.bvh.ray_traverse(obvhs_ray(ray, max), &mut nearest, |ray, leaf| {
-            meet(&self.leaves[leaf], ray.tmax).unwrap_or(f32::INFINITY)
+            meet(&self.leaves[leaf], ray.tmax / STEPS).map_or(f32::INFINITY, |distance| distance * STEPS)
         });
     }
 
@@ -250,13 +250,20 @@ impl<T: Copy> Tree<T> {
     #[inline]
     fn any(&self, ray: &Ray, max: f32, meet: impl Fn(&T, f32) -> Option<f32>) -> bool {
         !self.bvh.ray_traverse_miss(obvhs_ray(ray, max), |ray, leaf| {
-            meet(&self.leaves[leaf], ray.tmax).unwrap_or(f32::INFINITY)
+            meet(&self.leaves[leaf], ray.tmax / STEPS).map_or(f32::INFINITY, |distance| distance * STEPS)
         })
     }
 }
 
+/// The tree passes over boxes that end within 0.0001 of a ray's origin, a length that would let light leak through the
+/// corners of any scene and through all of a small one. It is told of distances in steps, of which there are so many to
+/// a scene unit that this is nothing; a power of two, so that no bit of a distance is lost.
+const STEPS: f32 = (1_u64 << 40) as f32;
+
 fn obvhs_ray(ray: &Ray, max: f32) -> obvhs::ray::Ray {
-    obvhs::ray::Ray::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), 0.0, max)
+    let with_unit_steps = obvhs::ray::Ray::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), 0.0, max * STEPS);
+    let inv_direction = with_unit_steps.inv_direction * STEPS;
+    obvhs::ray::Ray { direction: with_unit_steps.direction / STEPS, inv_direction, ..with_unit_steps }
 }
 
 struct Boxed(Bounds);
@@ -264,5 +271,49 @@ struct Boxed(Bounds);
 impl Boundable for Boxed {
     fn aabb(&self) -> Aabb {
         Aabb::new(Vec3A::from(self.0.min), Vec3A::from(self.0.max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{Mat3, Mat4, Vec3};
+
+    use super::super::{Mesh, MeshData, Sphere};
+    use super::*;
+
+    /// A wall of two triangles at z = 0.
+    fn wall() -> Shape {
+        let data = MeshData {
+            positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
+        };
+        Shape::Mesh(Mesh::new(&Arc::new(data), &Mat4::IDENTITY))
+    }
+
+    #[test]
+    fn a_surface_is_met_however_near_it_is() {
+        let mut builder = SurfacesBuilder::default();
+        builder.add(wall(), false);
+        // So many that they are in a tree.
+        for index in 0..=FEW {
+            let center = Vec3::new(4.0 * index as f32, 0.0, -1.0);
+            builder.add(Shape::Sphere(Sphere::new(center, 0.5, Mat3::IDENTITY)), false);
+        }
+        let surfaces = builder.build();
+        for exponent in 1..24 {
+            let distance = 0.5_f32.powi(exponent);
+            // In front of the wall, and in the second ball below its top.
+            for (shape, ray) in [
+                (0, Ray { origin: Vec3::new(0.3, 0.1, distance), direction: Vec3::NEG_Z }),
+                (2, Ray { origin: Vec3::new(4.0, 0.0, -0.5 - distance), direction: Vec3::Z }),
+            ] {
+                let hit = surfaces.closest(&ray, f32::INFINITY).expect("a surface");
+                assert_eq!((hit.shape, hit.distance), (shape, distance));
+                assert!(surfaces.blocked(&ray, 2.0 * distance) && !surfaces.blocked(&ray, 0.5 * distance));
+            }
+        }
     }
 }
