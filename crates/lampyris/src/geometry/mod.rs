@@ -3,6 +3,7 @@
 mod bounds;
 mod cylinder;
 mod disk;
+mod flat;
 mod mesh;
 mod mesh_data;
 mod plane;

@@ -11,20 +11,27 @@ use crate::spectrum::Spectrum;
 pub type Shares = [Spectrum; 4];
 
 /// A model of scattering. Directions are local (normal +z), of unit length, and point away from the surface; models
-/// are symmetric in their two directions but for the solid angle that refraction changes, which the walk corrects.
+/// are symmetric in their two directions but for the solid angle that refraction changes, which the walk corrects. What
+/// is said of smooth lobes holds as it stands for a model that has none.
 pub trait Scatter {
     /// The share of each event in the light that continues towards, or comes from, `to_previous`.
     fn shares(&self, to_previous: Vec3) -> Shares;
 
     /// The value of the smooth lobes in 1/sr, without a cosine.
-    fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum;
+    fn eval(&self, _to_previous: Vec3, _to_next: Vec3) -> Spectrum {
+        Spectrum::ZERO
+    }
 
     /// The value of [`Scatter::eval`] where it is the same for all directions on the side of `to_previous`, and zero on
     /// the other: density estimation need not ask for every photon then.
-    fn even(&self, to_previous: Vec3) -> Option<Spectrum>;
+    fn even(&self, _to_previous: Vec3) -> Option<Spectrum> {
+        Some(Spectrum::ZERO)
+    }
 
     /// The density per solid angle with which [`Scatter::sample`] draws `to_next` for this smooth event.
-    fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32;
+    fn pdf(&self, _event: Event, _to_previous: Vec3, _to_next: Vec3) -> f32 {
+        0.0
+    }
 
     /// A direction for this event, with the index of refraction on its side over that of `to_previous`; none if the
     /// event is not possible from here.

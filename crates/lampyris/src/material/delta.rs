@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Event, Scatter, Shares};
+use super::{Event, Scatter, Shares, glass};
 use crate::math::fresnel;
 use crate::spectrum::Spectrum;
 
@@ -28,56 +28,34 @@ pub struct Conductor {
 #[derive(Clone, Copy, Debug)]
 pub struct Hole;
 
-impl Mirror {
-    fn share(&self, _: Vec3) -> (Event, Spectrum) {
-        (Event::Specular, self.reflectance)
+impl Scatter for Mirror {
+    fn shares(&self, _: Vec3) -> Shares {
+        glass::delta_shares(self.reflectance, Spectrum::ZERO)
+    }
+
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+        Some((fresnel::reflect(to_previous), 1.0))
     }
 }
 
-impl Conductor {
-    fn share(&self, to_previous: Vec3) -> (Event, Spectrum) {
+impl Scatter for Conductor {
+    fn shares(&self, to_previous: Vec3) -> Shares {
         let ([er, eg, eb], [kr, kg, kb]) = (self.eta.to_rgb(), self.k.to_rgb());
         let reflected = [(er, kr), (eg, kg), (eb, kb)].map(|(eta, k)| fresnel::conductor(to_previous.z, eta, k));
-        (Event::Specular, Spectrum::from_rgb(reflected) * self.reflectance)
+        glass::delta_shares(Spectrum::from_rgb(reflected) * self.reflectance, Spectrum::ZERO)
+    }
+
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+        Some((fresnel::reflect(to_previous), 1.0))
     }
 }
 
-impl Hole {
-    fn share(&self, _: Vec3) -> (Event, Spectrum) {
-        (Event::Refraction, Spectrum::ONE)
+impl Scatter for Hole {
+    fn shares(&self, _: Vec3) -> Shares {
+        glass::delta_shares(Spectrum::ZERO, Spectrum::ONE)
+    }
+
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+        Some((-to_previous, 1.0))
     }
 }
-
-/// A model of this file as what it does: all its light in one event, and nothing to gather.
-macro_rules! one_direction {
-    ($model:ty, $direction:expr) => {
-        impl Scatter for $model {
-            fn shares(&self, to_previous: Vec3) -> Shares {
-                let mut shares = [Spectrum::ZERO; 4];
-                let (event, share) = self.share(to_previous);
-                shares[event.index()] = share;
-                shares
-            }
-
-            fn eval(&self, _: Vec3, _: Vec3) -> Spectrum {
-                Spectrum::ZERO
-            }
-
-            fn even(&self, _: Vec3) -> Option<Spectrum> {
-                Some(Spectrum::ZERO)
-            }
-
-            fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {
-                0.0
-            }
-
-            fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
-                Some(($direction(to_previous), 1.0))
-            }
-        }
-    };
-}
-
-one_direction!(Mirror, fresnel::reflect);
-one_direction!(Conductor, fresnel::reflect);
-one_direction!(Hole, |to_previous: Vec3| -to_previous);

@@ -34,18 +34,6 @@ impl Scatter for Glass {
         delta_shares(self.reflectance * reflected, self.transmittance * (1.0 - reflected))
     }
 
-    fn eval(&self, _: Vec3, _: Vec3) -> Spectrum {
-        Spectrum::ZERO
-    }
-
-    fn even(&self, _: Vec3) -> Option<Spectrum> {
-        Some(Spectrum::ZERO)
-    }
-
-    fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {
-        0.0
-    }
-
     fn sample(&self, event: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
         delta_direction(event, to_previous, &fresnel::dielectric(to_previous.z, self.ior))
     }
@@ -57,18 +45,6 @@ impl Scatter for ThinGlass {
         let once = fresnel::dielectric(to_previous.z.abs(), self.ior).reflectance;
         let reflected = 2.0 * once / (1.0 + once);
         delta_shares(self.reflectance * reflected, self.transmittance * (1.0 - reflected))
-    }
-
-    fn eval(&self, _: Vec3, _: Vec3) -> Spectrum {
-        Spectrum::ZERO
-    }
-
-    fn even(&self, _: Vec3) -> Option<Spectrum> {
-        Some(Spectrum::ZERO)
-    }
-
-    fn pdf(&self, _: Event, _: Vec3, _: Vec3) -> f32 {
-        0.0
     }
 
     fn sample(&self, event: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
