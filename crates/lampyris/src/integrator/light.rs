@@ -64,10 +64,7 @@ struct Splat<'a> {
 
 impl Visitor for Splat<'_> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
-        if path.bounce >= self.max_bounces {
-            return Lobes::NONE;
-        }
-        if point.bsdf.lobes().meets(Lobes::SMOOTH) {
+        if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             let (lens, offset) = (sampler.square(), sampler.square());
             let splat = self.connect(point, path, lens, offset);
             self.splats.extend(splat);
