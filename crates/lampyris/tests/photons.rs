@@ -2,9 +2,12 @@
 
 mod common;
 
+use std::sync::Mutex;
+
+use common::statistics::assert_mean;
 use common::{Lit, lit};
 use glam::Vec3;
-use lampyris::integrator::{Pass, PhotonMapping, Silent};
+use lampyris::integrator::{Observer, Pass, PhotonMapping, Silent, Work};
 use lampyris::material::{Event, Lobes, Scattered};
 use lampyris::sampler::{Sampler, purpose};
 use lampyris::scene::SurfacePoint;
@@ -177,6 +180,55 @@ fn photons_straight_from_the_lamp_are_stored_only_if_they_give_the_direct_light(
     assert!(all.photons().len() > later + 10_000);
     assert_eq!(indirect.photons().len(), later);
     assert!(indirect.photons().iter().all(|photon| photon.bounce > 0));
+}
+
+/// In a closed room of albedo 0.6, full of things that absorb nothing, the walls must absorb what the lamp emits: 0.4 of
+/// all that lands on them. What the limit on bounces cuts off is told, and belongs to it.
+#[test]
+fn the_ledger_of_energy_closes() {
+    struct Ledger(Mutex<Work>);
+    impl Observer for Ledger {
+        fn work(&self, work: &Work) {
+            let mut sum = self.0.lock().expect("no panic");
+            sum.flux_emitted += work.flux_emitted;
+            sum.flux_cut += work.flux_cut;
+        }
+    }
+    let room = "camera = { origin = [0, 0, -0.9], target = [0, 0, 0] }
+        film = { size = [1, 1] }
+        lights = [{ type = 'point', position = [0, 0.8, 0], power = 3 }]
+        [[shapes]]
+        type = 'cube'
+        flip-normal = true
+        material = { type = 'diffuse', reflectance = 0.6 }
+        [[shapes]]
+        type = 'sphere'
+        center = [-0.4, -0.5, 0]
+        radius = 0.3
+        material = { type = 'glass', ior = 1.8 }
+        [[shapes]]
+        type = 'sphere'
+        center = [0.4, 0.3, 0.3]
+        radius = 0.4
+        material = { type = 'mirror' }";
+    for max_bounces in [4, 64] {
+        let lit = lit(room, &format!("photons=4000 bandwidth=fixed radius=1 direct=photons max_bounces={max_bounces}"));
+        let IntegratorDescription::PhotonMap(settings) = &lit.description.integrator else {
+            panic!("not a photon map")
+        };
+        let mapping = PhotonMapping::new(&lit.scene, &lit.description.film, settings.clone(), 0, &Silent);
+        let mut lost = Vec::new();
+        for index in 0..60 {
+            let ledger = Ledger(Mutex::default());
+            let map = mapping.map(&lit.scene, &Pass { index, seed: 0 }, &ledger);
+            let landed: f64 = map.photons().iter().map(|photon| f64::from(photon.flux.mean())).sum::<f64>() / 4000.0;
+            let Work { flux_emitted, flux_cut, .. } = ledger.0.into_inner().expect("no panic");
+            assert!((flux_emitted - 3.0).abs() < 1e-5);
+            assert!((flux_cut > 0.0) == (max_bounces == 4));
+            lost.push(0.4 * landed + flux_cut);
+        }
+        assert_mean(&format!("{max_bounces} bounces"), &lost, 3.0, 0.0, 0.02);
+    }
 }
 
 /// Every photon of a white path carries the same flux, that of its lamp: roulette, not weight, does the absorbing.

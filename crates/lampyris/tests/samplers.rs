@@ -503,6 +503,8 @@ fn a_spot_sends_the_flux_that_its_intensity_promises() {
         assert!((intensity / (5.0 * falloff(2.0 * ring as f64 + 1.0)) - 1.0).abs() < 1e-3, "ring {ring}");
     }
     assert!((f64::from(scene.power().mean()) / power - 1.0).abs() < 1e-4);
+    let all: Vec<f64> = all.iter().map(|(_, watts)| f64::from(watts.mean())).collect();
+    assert_mean("all rings", &all, power, 0.0, 0.02);
 }
 
 /// The sky is asked for all directions alike.
