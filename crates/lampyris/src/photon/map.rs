@@ -261,7 +261,7 @@ mod tests {
     fn photons(count: usize) -> Vec<Photon> {
         let mut sampler = Sampler::new(11, 0, 0, 0);
         let photon = |index: usize| {
-            let stretch = if index % 100 == 0 { 1e4 } else { 1.0 };
+            let stretch = if index.is_multiple_of(100) { 1e4 } else { 1.0 };
             Photon {
                 position: (sampler.square() * stretch).extend(0.01 * sampler.uniform()),
                 direction: Vec3::NEG_Z,
