@@ -182,7 +182,7 @@ pub enum MaterialRef {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum MaterialDescription {
-    /// Reflects equally in all directions [Lambert], on both sides unless wrapped otherwise.
+    /// Reflects equally in all directions (Lambert), on both sides unless wrapped otherwise.
     #[serde(rename_all = "kebab-case")]
     Diffuse {
         /// Share of the light that is reflected, 0 to 1 (default 0.5).

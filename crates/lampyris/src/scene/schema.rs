@@ -1,4 +1,4 @@
-//! The grammar of a scene file: as a JSON Schema for editors, and as [`Form`]s for our own reader.
+//! The grammar of a scene file: as a JSON Schema for editors, and as forms for our own reader.
 //! Both come from the description's types and their doc comments, so that neither can fall behind.
 
 use serde_json::{Map, Value};
