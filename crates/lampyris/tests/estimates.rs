@@ -110,6 +110,11 @@ proptest! {
         let limit = if expected.len() >= count { expected[count - 1] } else { radius * radius };
         prop_assert!((reach - limit.sqrt()).abs() <= 1e-6 * reach);
         prop_assert_eq!(nearest, expected.into_iter().filter(|&d2| d2 < limit).collect::<Vec<f32>>());
+
+        // Without a limit there is always a last one, if there is any.
+        let (reach, _) = map.nearest(center, count, f32::INFINITY, &mut found);
+        let last = all.get(count - 1).or(all.last()).copied().unwrap_or(0.0);
+        prop_assert!((reach - last.sqrt()).abs() <= 1e-6 * reach);
     }
 }
 

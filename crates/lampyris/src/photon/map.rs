@@ -88,7 +88,8 @@ impl PhotonMap {
     }
 
     /// Finds the radius of an estimate from the `count` nearest photons: the distance of the last of them, or
-    /// `max_radius` if there are fewer up to there. All photons that are nearer are left in `found`.
+    /// `max_radius` if there are fewer up to there; where that is infinite, the distance of the farthest of all. All
+    /// photons that are nearer are left in `found`.
     pub fn nearest<'f>(
         &self,
         center: Vec3,
@@ -103,7 +104,7 @@ impl PhotonMap {
                 break found.nth_distance_squared(count);
             }
             if reach >= max_radius || found.candidates.len() == self.photons.len() {
-                break reach.min(max_radius).powi(2);
+                break if max_radius.is_finite() { max_radius.powi(2) } else { found.farthest_distance_squared() };
             }
             reach = (reach * 1.7).min(max_radius);
         };
@@ -121,6 +122,10 @@ impl Nearest {
     fn collect(&mut self, map: &PhotonMap, center: Vec3, reach: f32) {
         self.candidates.clear();
         map.near(center, reach, |index, distance_squared| self.candidates.push((distance_squared, index as u32)));
+    }
+
+    fn farthest_distance_squared(&self) -> f32 {
+        self.candidates.iter().map(|candidate| candidate.0).fold(0.0, f32::max)
     }
 
     fn nth_distance_squared(&mut self, count: usize) -> f32 {
@@ -324,7 +329,11 @@ mod tests {
                 let mut count = 0;
                 map.within(Vec3::ZERO, 1e6, |_, _| count += 1);
                 assert_eq!(count, photons.len());
-                assert_eq!(map.nearest(Vec3::ZERO, 1000, f32::INFINITY, &mut found).1.count(), photons.len());
+                // There are fewer than a thousand: the farthest sets the radius, and is not counted itself.
+                let farthest = photons.first().map_or(0.0, |photon| photon.position.length());
+                let (radius, nearer) = map.nearest(Vec3::ZERO, 1000, f32::INFINITY, &mut found);
+                assert!((radius - farthest).abs() <= 1e-6 * farthest, "{radius} is not {farthest}");
+                assert_eq!(nearer.count(), 0);
             }
         }
     }
