@@ -52,7 +52,7 @@ pub(super) fn camera_pass<W>(
 }
 
 /// Light paths are traced in blocks of this many.
-const BLOCK: u64 = 4096;
+pub(super) const BLOCK: u64 = 4096;
 
 /// Walks from the lamps: `paths` of them, each block of them told to a visitor that `new` makes. Returns the visitors in
 /// the order of the paths.

@@ -1,6 +1,6 @@
 //! Photon mapping: walks from the lamps leave photons, walks from the camera gather them (theory §5).
 
-use super::blocks::{camera_pass, light_pass};
+use super::blocks::{BLOCK, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work, dots, pilot};
 use crate::image::Image;
@@ -107,13 +107,12 @@ pub(super) fn photon_map(
     observer.phase(Phase::Photons);
     let (paths, max_bounces) = (u64::from(settings.photons), settings.max_bounces);
     let direct = settings.direct == Direct::Photons;
-    let new = || Deposit { photons: Vec::new(), direct, max_bounces };
+    // A block has some thousand paths and most paths a photon or two; growing would copy them.
+    let new = || Deposit { photons: Vec::with_capacity(2 * BLOCK as usize), direct, max_bounces };
     let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
     observer.phase(Phase::Map);
-    // Block by block, each freed once it is copied.
-    let mut photons = Vec::with_capacity(blocks.iter().map(|block| block.photons.len()).sum());
-    blocks.into_iter().for_each(|block| photons.extend(block.photons));
-    let map = PhotonMap::build(photons, paths, radius);
+    let blocks: Vec<Vec<Photon>> = blocks.into_iter().map(|block| block.photons).collect();
+    let map = PhotonMap::from_blocks(&blocks, paths, radius);
     observer.work(&Work { photons: map.photons().len() as u64, ..Work::default() });
     map
 }

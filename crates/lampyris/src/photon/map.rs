@@ -19,6 +19,13 @@ pub struct PhotonMap {
     paths_emitted: u64,
 }
 
+/// Where a photon lies before it is sorted.
+#[derive(Clone, Copy)]
+struct Place {
+    block: u32,
+    index: u32,
+}
+
 /// Where in the sorted list the photons of each cell are.
 #[derive(Debug)]
 struct Grid {
@@ -33,13 +40,23 @@ impl PhotonMap {
     /// Sorts the photons of `paths_emitted` light paths for queries with about this radius. Equal photons in equal
     /// order give an equal map.
     pub fn build(photons: Vec<Photon>, paths_emitted: u64, radius: Radius) -> PhotonMap {
-        let points: Vec<Vec3> = photons.par_iter().map(|photon| photon.position).collect();
+        PhotonMap::from_blocks(&[photons], paths_emitted, radius)
+    }
+
+    /// [`PhotonMap::build`] of photons that lie in several blocks, one after the other.
+    pub fn from_blocks(blocks: &[Vec<Photon>], paths_emitted: u64, radius: Radius) -> PhotonMap {
+        let places: Vec<Place> = (0..)
+            .zip(blocks)
+            .flat_map(|(block, photons)| (0..photons.len() as u32).map(move |index| Place { block, index }))
+            .collect();
+        let photon = |place: &Place| &blocks[place.block as usize][place.index as usize];
+        let points: Vec<Vec3> = places.par_iter().map(|place| photon(place).position).collect();
         let cell = match radius {
             Radius::Fixed(radius) => radius,
             Radius::Nearest { count, max_radius } => typical_distance(&points, count).min(max_radius),
         };
         let (grid, order) = Grid::sort(&points, cell);
-        let photons = order.par_iter().map(|&index| photons[index as usize]).collect();
+        let photons = order.par_iter().map(|&index| *photon(&places[index as usize])).collect();
         let axis = |axis: usize| order.par_iter().map(|&index| points[index as usize][axis]).collect();
         PhotonMap { photons, positions: [axis(0), axis(1), axis(2)], grid, paths_emitted }
     }
@@ -146,20 +163,23 @@ impl Grid {
     fn sort(points: &[Vec3], cell: f32) -> (Grid, Vec<u32>) {
         let mut grid = Grid::sized(&robust_bounds(points), cell, (CELLS_PER_PHOTON * points.len()).max(64));
         let cells: Vec<u32> = points.par_iter().map(|&point| grid.cell_of(point)).collect();
-        grid.starts = vec![0; grid.size.element_product() as usize + 1];
+        // Counting sort: counts, then ends, which become starts as the points are put before them from last to first.
+        let mut starts = vec![0_u32; grid.size.element_product() as usize + 1];
         for &cell in &cells {
-            grid.starts[cell as usize + 1] += 1;
+            starts[cell as usize] += 1;
         }
-        for cell in 1..grid.starts.len() {
-            grid.starts[cell] += grid.starts[cell - 1];
+        let mut end = 0;
+        for count in &mut starts {
+            end += *count;
+            *count = end;
         }
-        let mut next = grid.starts.clone();
         let mut order = vec![0; points.len()];
-        for (index, &cell) in cells.iter().enumerate() {
-            let place = &mut next[cell as usize];
-            order[*place as usize] = index as u32;
-            *place += 1;
+        for (index, &cell) in cells.iter().enumerate().rev() {
+            let start = &mut starts[cell as usize];
+            *start -= 1;
+            order[*start as usize] = index as u32;
         }
+        grid.starts = starts;
         (grid, order)
     }
 
