@@ -13,7 +13,7 @@ use lampyris::sampler::Sampler;
 use lampyris::spectrum::Spectrum;
 
 const PHOTONS: usize = 1_000_000;
-const QUERIES: u64 = 10_000;
+const QUERIES: u64 = 200_000;
 const INSIDE: usize = 50;
 
 /// Points uniform by area on the bumpy sphere, one after the other along a random order of its triangles.
