@@ -1,4 +1,4 @@
-//! What the code and the book cite exists: works in `docs/references.bib`, sections in `docs/src/theory.md`.
+//! What the code and the book cite exists: works in `docs/references.bib`, sections in `docs/theory.md`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -52,7 +52,7 @@ fn prose() -> Vec<Prose> {
     let this_file = Path::new(file!()).file_name();
     let sources = files_below(&repository().join("crates"), "rs");
     let sources = sources.into_iter().filter(|file| file.file_name() != this_file);
-    let book = files_below(&repository().join("docs/src"), "md");
+    let book = files_below(&repository().join("docs"), "md");
     let mut prose: Vec<Prose> = sources.map(|file| read(file, comments)).collect();
     prose.extend(book.into_iter().map(|file| read(file, |text| text.replace('\n', " "))));
     prose
@@ -117,7 +117,7 @@ fn sections_named(text: &str) -> Vec<String> {
 }
 
 fn sections_of_the_theory() -> BTreeSet<String> {
-    let text = fs::read_to_string(repository().join("docs/src/theory.md")).expect("the theory");
+    let text = fs::read_to_string(repository().join("docs/theory.md")).expect("the theory");
     let headings = text.lines().filter(|line| line.starts_with('#'));
     headings
         .filter_map(|heading| Some(heading.trim_start_matches('#').split_whitespace().next()?.to_string()))
