@@ -27,6 +27,8 @@ pub mod photon;
 pub mod render;
 pub mod sampler;
 pub mod scene;
+#[cfg(test)]
+mod shared_tests;
 pub mod spectrum;
 pub mod texture;
 pub mod tonemap;

@@ -4,10 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::{Folder, SCENE};
 
-/// The odd files of this folder, none where the collection is not there.
+/// The odd files of this folder; none, said on stderr, where the collection is not there.
+#[allow(clippy::print_stderr)]
 fn files(folder: &str) -> Vec<PathBuf> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes/odd-files")).join(folder);
-    let Ok(entries) = std::fs::read_dir(path) else { return Vec::new() };
+    let Ok(entries) = std::fs::read_dir(&path) else {
+        eprintln!("left out: {} is not there", path.display());
+        return Vec::new();
+    };
     let paths = entries.map(|entry| entry.expect("an entry").path());
     let is_mesh = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "obj" || ending == "ply");
     paths.filter(is_mesh).collect()

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 
 use super::*;
+use crate::shared_tests::shared;
 
 /// A picture with small, large, zero and negative values, none of them alike.
 fn sample() -> Image {
@@ -212,12 +213,12 @@ fn an_error_names_the_file() {
     assert!(missing.message.contains("no such file"), "{missing}");
 }
 
-/// Every picture among the shared scenes and references, where this checkout has them.
-fn shared(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
+/// Every picture below a folder.
+fn pictures(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_dir() {
-            shared(&path, extensions, found);
+            pictures(&path, extensions, found);
         } else if path.extension().is_some_and(|e| extensions.iter().any(|known| e == *known)) {
             found.push(path);
         }
@@ -226,9 +227,9 @@ fn shared(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
 
 #[test]
 fn pictures_from_other_programs_are_read() {
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared"));
+    let Some(root) = shared("") else { return };
     let mut paths = Vec::new();
-    shared(root, &["npy", "exr", "hdr", "pfm", "png", "jpg"], &mut paths);
+    pictures(&root, &["npy", "exr", "hdr", "pfm", "png", "jpg"], &mut paths);
     for path in paths {
         let bytes = std::fs::read(&path).expect("readable");
         if bytes.starts_with(b"version https://git-lfs") {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::shared_tests::shared;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -55,12 +56,6 @@ fn only_serialized_files_have_several_meshes() {
     assert!(files.mesh("a.obj", 1).expect_err("there is one").to_string().contains("it has only one"));
 }
 
-/// Files of other people, if they are at hand.
-fn shared(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(folder);
-    path.is_dir().then_some(path)
-}
-
 /// Files made to break readers: how many triangles each has, or what must be said about it.
 const ODD_FILES: [(&str, Result<usize, &str>); 32] = [
     ("OBJ/WusonOBJ.obj", Ok(3732)),
@@ -101,7 +96,7 @@ const ODD_FILES: [(&str, Result<usize, &str>); 32] = [
 
 #[test]
 fn odd_files_are_read_or_refused_as_a_user_would_want() {
-    let Some(folder) = shared("odd-files") else { return };
+    let Some(folder) = shared("scenes/odd-files") else { return };
     let files = Files::beside(&folder.join("scene.xml"));
     let mut surprises = Vec::new();
     for (name, expected) in ODD_FILES {
@@ -117,7 +112,7 @@ fn odd_files_are_read_or_refused_as_a_user_would_want() {
 
 #[test]
 fn no_odd_file_is_forgotten() {
-    let Some(folder) = shared("odd-files") else { return };
+    let Some(folder) = shared("scenes/odd-files") else { return };
     for kind in ["OBJ", "PLY", "invalid"] {
         for entry in fs::read_dir(folder.join(kind)).expect("it is a folder") {
             let name = format!("{kind}/{}", entry.expect("it is readable").file_name().to_string_lossy());
@@ -142,7 +137,7 @@ fn meshes(folder: &Path, found: &mut Vec<PathBuf>) {
 #[test]
 fn the_meshes_of_whole_scenes_load() {
     for scene in ["veach-bidir", "water-caustic", "transient-cbox", "obj-cornell", "coffee", "mitsuba-media-tests"] {
-        let Some(folder) = shared(scene) else { return };
+        let Some(folder) = shared(&format!("scenes/{scene}")) else { return };
         let mut found = Vec::new();
         meshes(&folder, &mut found);
         assert!(!found.is_empty(), "{scene}");
@@ -155,7 +150,7 @@ fn the_meshes_of_whole_scenes_load() {
 
 #[test]
 fn a_concave_outline_keeps_its_area() {
-    let Some(folder) = shared("odd-files") else { return };
+    let Some(folder) = shared("scenes/odd-files") else { return };
     let mesh = read_mesh(&folder.join("OBJ/concave_polygon.obj"), 0).expect("it is fine");
     // It lies in a plane of constant x: the shoelace formula over its one face, in file order of its corners.
     let text = fs::read_to_string(folder.join("OBJ/concave_polygon.obj")).expect("it is text");

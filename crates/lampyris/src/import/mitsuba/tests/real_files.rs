@@ -1,12 +1,10 @@
 use super::*;
 use crate::import::mitsuba::read;
+use crate::shared_tests::shared;
 
 /// Shapes, lights and warnings of a scene in the shared folder, or nothing where it is not there.
 fn counts(file: &str) -> Option<(usize, usize, Vec<String>)> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(file);
-    if !path.exists() {
-        return None;
-    }
+    let path = shared(&format!("scenes/{file}"))?;
     let imported = read(&path, &Options::default()).expect("the scene is valid");
     let description = &imported.description;
     let folder = path.parent().expect("it is in a folder");
