@@ -23,9 +23,10 @@ pub struct Estimate<'m> {
     pub radius: Radius,
 }
 
-/// Photons whose normal differs by more than this (cosine of 60°) lie on another surface: across the edge of a box, on
-/// the other side of a thin wall. A ball still counts all its photons up to a chord of its radius.
-const SAME_SURFACE: f32 = 0.5;
+/// Photons whose normal is turned away by more than this (cosine of 96°) lie on another surface: the back of a thin wall.
+/// Those of the next wall of a corner do count: they stand in for the part of the disk that the corner cuts off, where
+/// otherwise a dark line would follow every inner edge until the radius is small.
+const SAME_SURFACE: f32 = -0.1;
 
 impl Estimate<'_> {
     /// Radiance that the smooth lobes at `point` reflect back along the path, of light whose photons have had at most
