@@ -1,23 +1,26 @@
 //! How the render is getting on: a bar on a terminal, a line now and then elsewhere, nothing if `--quiet`.
 
 use std::io::IsTerminal;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use lampyris::error::Warning;
 use lampyris::film::Film;
 use lampyris::integrator::{Observer, Phase, Work};
 
 use crate::budget::Budget;
 use crate::format::{count, percent, time};
 use crate::meter::{Meter, Stage};
-use crate::report::say;
+use crate::preview::{Preview, Terminal};
+use crate::report::{say, warn};
 
 /// Shows what it observes, and counts it with a [`Meter`].
 pub struct Progress<'m> {
     meter: &'m Meter,
     budget: Budget,
     display: Display,
+    preview: Option<Preview>,
     state: Mutex<State>,
 }
 
@@ -39,6 +42,17 @@ struct State {
     shown: Instant,
 }
 
+/// The time from one picture in the terminal to the next.
+const PICTURES: Duration = Duration::from_millis(500);
+
+/// The bar, with room for a picture above it.
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{picture}[{bar:30}] {prefix}\n{wide_msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ")
+        .with_key("picture", |_: &ProgressState, _: &mut dyn std::fmt::Write| {})
+}
+
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
@@ -50,10 +64,8 @@ impl Display {
             _ if quiet => Display::Quiet,
             false => Display::Lines,
             true => {
-                let style = ProgressStyle::with_template("[{bar:30}] {prefix}\n{wide_msg}")
-                    .unwrap_or_else(|_| ProgressStyle::default_bar())
-                    .progress_chars("=> ");
-                Display::Bar(ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr()).with_style(style))
+                let target = ProgressDrawTarget::stderr();
+                Display::Bar(ProgressBar::with_draw_target(Some(STEPS), target).with_style(style()))
             }
         }
     }
@@ -64,6 +76,31 @@ impl Display {
             Display::Quiet => {}
             Display::Lines => say(line),
             Display::Bar(bar) => bar.suspend(|| say(line)),
+        }
+    }
+
+    /// Tells of a warning.
+    pub fn warn(&self, warning: &Warning) {
+        match self {
+            Display::Quiet => {}
+            Display::Lines => warn(warning),
+            Display::Bar(bar) => bar.suspend(|| warn(warning)),
+        }
+    }
+
+    /// Shows a picture above the bar from now on, and a new one from time to time.
+    pub fn attach(&self, terminal: Arc<Terminal>) {
+        if let Display::Bar(bar) = self {
+            let shown = Arc::new(Mutex::new((None::<Instant>, String::new())));
+            bar.set_style(style().with_key("picture", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+                let mut shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+                if shown.0.is_none_or(|at| at.elapsed() >= PICTURES)
+                    && let Some(lines) = terminal.draw()
+                {
+                    *shown = (Some(Instant::now()), lines);
+                }
+                let _ = out.write_str(&shown.1);
+            }));
         }
     }
 
@@ -79,12 +116,21 @@ impl Display {
 
 impl<'m> Progress<'m> {
     /// Before the first pass.
-    pub fn new(meter: &'m Meter, budget: Budget, display: Display) -> Progress<'m> {
-        Progress { meter, budget, display, state: Mutex::new(State { passes: 0, error: None, shown: Instant::now() }) }
+    pub fn new(meter: &'m Meter, budget: Budget, display: Display, preview: Option<Preview>) -> Progress<'m> {
+        Progress {
+            meter,
+            budget,
+            display,
+            preview,
+            state: Mutex::new(State { passes: 0, error: None, shown: Instant::now() }),
+        }
     }
 
     /// A pass is done.
     pub fn passed(&self, film: &Film) {
+        if let Some(preview) = &self.preview {
+            preview.passed(film);
+        }
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.passes = film.passes();
         let is_due = state.shown.elapsed() >= self.display.interval();
@@ -106,10 +152,18 @@ impl<'m> Progress<'m> {
         self.display.say(line);
     }
 
-    /// Takes the bar away.
-    pub fn finish(&self) {
+    /// Tells of a warning.
+    pub fn warn(&self, warning: &Warning) {
+        self.display.warn(warning);
+    }
+
+    /// Takes the bar away, and lets the preview come to its end.
+    pub fn finish(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
+        }
+        if let Some(preview) = self.preview.take() {
+            preview.finish();
         }
     }
 
@@ -160,6 +214,12 @@ impl<'m> Progress<'m> {
 impl Observer for Progress<'_> {
     fn phase(&self, phase: Phase) {
         self.meter.phase(phase);
+    }
+
+    fn row(&self, y: usize, pixels: &[[f32; 3]]) {
+        if let Some(preview) = &self.preview {
+            preview.row(y, pixels);
+        }
     }
 
     fn work(&self, work: &Work) {
