@@ -10,6 +10,9 @@ use lampyris::output::write_whole;
 use crate::args::Arguments;
 use crate::report::print;
 
+/// What man pages say they come from.
+const SOURCE: &str = concat!("lampyris ", env!("CARGO_PKG_VERSION"));
+
 /// Prints the completions for a shell.
 ///
 /// # Errors
@@ -38,7 +41,7 @@ pub fn man(folder: &Path) -> Result<()> {
 fn page(folder: &Path, command: &clap::Command, name: &str) -> Result<()> {
     let path = folder.join(format!("{name}.1"));
     let mut text = Vec::new();
-    let rendered = clap_mangen::Man::new(command.clone()).render(&mut text);
+    let rendered = clap_mangen::Man::new(command.clone()).source(SOURCE).render(&mut text);
     rendered.map_err(|error| Error::io(&path, "write", &error))?;
     write_whole(&path, &text)
 }

@@ -1,6 +1,7 @@
 //! How the render is getting on: a bar on a terminal, a line now and then elsewhere, nothing if `--quiet`.
 
 use std::io::IsTerminal;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,8 +11,8 @@ use lampyris::film::Film;
 use lampyris::integrator::{Observer, Phase, Work};
 
 use crate::budget::Budget;
-use crate::format::{count, percent, time};
-use crate::meter::{Meter, Stage};
+use crate::format::{count, percent, plural, time};
+use crate::meter::{Meter, Reading, Stage};
 use crate::preview::{Preview, Terminal};
 use crate::report::{say, warn};
 
@@ -42,8 +43,9 @@ struct State {
     shown: Instant,
 }
 
-/// The time from one picture in the terminal to the next.
-const PICTURES: Duration = Duration::from_millis(500);
+/// How often the bar is drawn, at most, alone and with a picture.
+const BARS_PER_SECOND: u8 = 20;
+const PICTURES_PER_SECOND: u8 = 2;
 
 /// The bar, with room for a picture above it.
 fn style() -> ProgressStyle {
@@ -57,14 +59,16 @@ fn style() -> ProgressStyle {
 const STEPS: u64 = 1000;
 
 impl Display {
-    /// What suits the standard error.
-    pub fn new(quiet: bool) -> Display {
+    /// What suits the standard error; with or without room for a picture.
+    pub fn new(quiet: bool, has_picture: bool) -> Display {
         let is_dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
         match std::io::stderr().is_terminal() && !is_dumb {
             _ if quiet => Display::Quiet,
             false => Display::Lines,
             true => {
-                let target = ProgressDrawTarget::stderr();
+                // A picture is a thousand times the text of the bar, and terminals may be far away.
+                let per_second = if has_picture { PICTURES_PER_SECOND } else { BARS_PER_SECOND };
+                let target = ProgressDrawTarget::stderr_with_hz(per_second);
                 Display::Bar(ProgressBar::with_draw_target(Some(STEPS), target).with_style(style()))
             }
         }
@@ -76,6 +80,15 @@ impl Display {
             Display::Quiet => {}
             Display::Lines => say(line),
             Display::Bar(bar) => bar.suspend(|| say(line)),
+        }
+    }
+
+    /// Takes the bar from the screen, until it is needed again.
+    pub fn clear(&self) {
+        if let Display::Bar(bar) = self {
+            bar.finish_and_clear();
+            bar.set_prefix("");
+            bar.reset();
         }
     }
 
@@ -91,15 +104,8 @@ impl Display {
     /// Shows a picture above the bar from now on, and a new one from time to time.
     pub fn attach(&self, terminal: Arc<Terminal>) {
         if let Display::Bar(bar) = self {
-            let shown = Arc::new(Mutex::new((None::<Instant>, String::new())));
             bar.set_style(style().with_key("picture", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-                let mut shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
-                if shown.0.is_none_or(|at| at.elapsed() >= PICTURES)
-                    && let Some(lines) = terminal.draw()
-                {
-                    *shown = (Some(Instant::now()), lines);
-                }
-                let _ = out.write_str(&shown.1);
+                let _ = out.write_str(&terminal.draw().unwrap_or_default());
             }));
         }
     }
@@ -110,6 +116,52 @@ impl Display {
             Display::Quiet => Duration::MAX,
             Display::Lines => Duration::from_secs(5),
             Display::Bar(_) => Duration::from_millis(100),
+        }
+    }
+}
+
+/// How the reading of meshes and pictures and the building of shapes is getting on. What takes a moment is not told.
+pub struct Loading<'m> {
+    meter: &'m Meter,
+    scene: String,
+    display: Display,
+    shown: Mutex<Instant>,
+}
+
+impl<'m> Loading<'m> {
+    /// Before it begins.
+    pub fn new(meter: &'m Meter, scene: &Path, display: Display) -> Loading<'m> {
+        Loading { meter, scene: scene.display().to_string(), display, shown: Mutex::new(Instant::now()) }
+    }
+
+    fn show(&self) {
+        let Reading { work, share, .. } = self.meter.read();
+        let shapes = plural(work.shapes as usize, "shape");
+        let bytes = if work.bytes > 0 { format!(", {}B read", count(work.bytes as f64)) } else { String::new() };
+        let line = format!("loading {}: {} ({shapes}{bytes})", self.scene, percent(share));
+        match &self.display {
+            Display::Quiet => {}
+            Display::Lines => say(&line),
+            Display::Bar(bar) => {
+                bar.set_position((STEPS as f64 * share) as u64);
+                bar.set_prefix(line);
+            }
+        }
+    }
+}
+
+impl Observer for Loading<'_> {
+    fn phase(&self, phase: Phase) {
+        self.meter.phase(phase);
+    }
+
+    fn work(&self, work: &Work) {
+        self.meter.work(work);
+        if let Ok(mut shown) = self.shown.try_lock()
+            && shown.elapsed() >= self.display.interval()
+        {
+            *shown = Instant::now();
+            self.show();
         }
     }
 }

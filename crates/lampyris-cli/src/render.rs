@@ -12,13 +12,13 @@ use lampyris::output::{Fact, Format, Picture, check_path, check_writable, write_
 use lampyris::render::Render;
 use lampyris::scene::Scene;
 
-use crate::args::RenderArguments;
+use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
 use crate::format::{plural, time};
 use crate::interrupt::Interrupt;
 use crate::meter::{Meter, Stage};
 use crate::preview::Preview;
-use crate::progress::{Display, Progress};
+use crate::progress::{Display, Loading, Progress};
 use crate::report::Failure;
 use crate::scene::{change, heed, read, ready, warnings};
 use crate::snapshots::Snapshots;
@@ -37,12 +37,16 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let mut imported = read(&arguments.scene)?;
     apply(arguments, &mut imported)?;
     let pool = pool(arguments.work.threads.map_or(0, usize::from))?;
-    meter.enter(Stage::Build);
-    let built = pool.install(|| ready(&arguments.scene, &imported, &arguments.changes.settings))?;
+    let has_picture = arguments.preview.contains(&PreviewTarget::Terminal);
+    let display = Display::new(arguments.work.quiet, has_picture);
+    let loading = Loading::new(&meter, &arguments.scene.scene, display.clone());
+    let built = pool.install(|| ready(&arguments.scene, &imported, &arguments.changes.settings, &loading));
+    display.clear();
+    let built = built?;
     let warnings = warnings(&arguments.scene, &imported, &built);
     heed(&warnings, arguments.scene.strict, arguments.work.quiet)?;
     let job = Job { arguments, imported: &imported, scene: &built.scene, outputs: &outputs, layers, meter: &meter };
-    let stats = pool.install(|| job.run(&warnings, snapshots))?;
+    let stats = pool.install(|| job.run(display, &warnings, snapshots))?;
     if let Some(path) = &arguments.stats {
         stats.write(path)?;
     }
@@ -108,10 +112,9 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn run(&self, warnings: &[Error], mut snapshots: Snapshots) -> Result<Stats, Failure> {
+    fn run(&self, display: Display, warnings: &[Error], mut snapshots: Snapshots) -> Result<Stats, Failure> {
         let description = &self.imported.description;
         let budget = Budget::of(self.arguments, description);
-        let display = Display::new(self.arguments.work.quiet);
         let interrupt = Interrupt::listen({
             let display = display.clone();
             move || display.say("stopping after this pass; Ctrl-C again quits at once")

@@ -10,7 +10,7 @@ pub mod settings;
 use glam::Vec3;
 
 pub use assets::{Assets, NoAssets};
-pub use build::{Built, build};
+pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 
 use crate::camera::Camera;
