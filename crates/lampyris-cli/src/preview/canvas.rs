@@ -56,13 +56,13 @@ impl Canvas {
     }
 
     /// The mean of so many whole passes.
-    pub fn passed(&self, image: &Image, passes: u32) {
+    pub fn passed(&self, image: Image, passes: u32) {
         let mut state = self.state();
         state.clock += 1;
         let clock = state.clock;
         state.changed.fill(clock);
-        state.mean.clone_from(image);
-        state.shown.clone_from(image);
+        state.shown.clone_from(&image);
+        state.mean = image;
         state.passes = passes;
     }
 
@@ -112,7 +112,7 @@ mod tests {
         assert!(canvas.image().is_none());
         canvas.row(1, &[[3.0; 3]]);
         assert_eq!(canvas.image().expect("a row").pixels(), [[0.0; 3], [3.0; 3]]);
-        canvas.passed(&Image::from_pixels(1, 2, vec![[1.0; 3], [2.0; 3]]).expect("two pixels"), 2);
+        canvas.passed(Image::from_pixels(1, 2, vec![[1.0; 3], [2.0; 3]]).expect("two pixels"), 2);
         canvas.row(0, &[[4.0; 3]]);
         assert_eq!(canvas.image().expect("a row").pixels(), [[2.0; 3], [2.0; 3]]);
     }

@@ -78,7 +78,7 @@ impl Preview {
 
     /// A pass is done.
     pub fn passed(&self, film: &Film) {
-        self.canvas.passed(&film.image(), film.passes());
+        self.canvas.passed(film.image(), film.passes());
     }
 
     /// There is nothing more to come: leaves the picture in the terminal, and waits a moment for what is still on its
