@@ -46,7 +46,7 @@ pub fn ready(
     set: &[(String, String)],
     observer: &dyn Observer,
 ) -> Result<Built> {
-    let files = Files::beside(&arguments.scene).observed(observer);
+    let files = Files::beside(&arguments.scene).with_embedded(imported.embedded.clone()).observed(observer);
     build_observed(&imported.description, &files, observer).map_err(|error| {
         match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
             // The line in the file is not to blame for what the command line put in its place.

@@ -236,7 +236,7 @@ mod tests {
     fn shades_are_characters_without_colour() {
         let grey = Image::from_pixels(4, 2, [0.0, 0.02, 0.2, 1.0].repeat(2).iter().map(|&v| [v; 3]).collect());
         let (before, lines) = Drawing::Shades.draw(&grey.expect("eight pixels"), (4, 9)).expect("there is room");
-        assert_eq!((before.as_str(), lines.as_str()), ("", " .+@\n"));
+        assert_eq!((before.as_str(), lines.as_str()), ("", " .=@\n"));
     }
 
     #[test]

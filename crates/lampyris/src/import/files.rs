@@ -17,6 +17,7 @@ use crate::scene::Assets;
 pub struct Files<'o> {
     folder: PathBuf,
     observer: &'o dyn Observer,
+    embedded: HashMap<String, Arc<[u8]>>,
     meshes: Mutex<HashMap<(String, u32), Arc<MeshOnce>>>,
 }
 
@@ -27,13 +28,19 @@ impl<'o> Files<'o> {
     /// Names are relative to the folder of `scene_file`.
     pub fn beside(scene_file: &Path) -> Files<'o> {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Files { folder, observer: &Silent, meshes: Mutex::default() }
+        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes: Mutex::default() }
     }
 
     /// The same, telling `observer` how many bytes were read, file by file.
     #[must_use]
     pub fn observed(self, observer: &'o dyn Observer) -> Files<'o> {
         Files { observer, ..self }
+    }
+
+    /// The same with files that lie inside the scene file, which go before those beside it.
+    #[must_use]
+    pub fn with_embedded(self, embedded: HashMap<String, Arc<[u8]>>) -> Files<'o> {
+        Files { embedded, ..self }
     }
 
     fn tell(&self, path: &Path) {
@@ -58,6 +65,9 @@ impl Assets for Files<'_> {
     }
 
     fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>> {
+        if let Some(bytes) = self.embedded.get(file) {
+            return decode_texture(file, bytes, raw).map(Arc::new);
+        }
         let path = self.folder.join(file);
         let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
         let image = decode_texture(&path.to_string_lossy(), &bytes, raw).map(Arc::new);

@@ -7,15 +7,15 @@ use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
 use crate::film::{Exposure, Features, Sink};
-use crate::geometry::Ray;
 use crate::image::Image;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
+use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
-/// Walks from the camera: calls `sample` for every sample of every pixel, with its ray, the working space of its row
-/// that `new` makes, and the pixel's sink, and takes the mean. `sample` returns the number of rays that it traced.
+/// Walks from the camera: calls `sample` for every sample of every pixel, with its path at the start, the working space of
+/// its row that `new` makes, and the pixel's sink, and takes the mean. `sample` returns the number of rays that it traced.
 pub(super) fn camera_pass<W, S: Sink>(
     scene: &Scene,
     film: &FilmDescription,
@@ -23,7 +23,7 @@ pub(super) fn camera_pass<W, S: Sink>(
     samples: u32,
     observer: &dyn Observer,
     new: impl Fn() -> W + Sync,
-    sample: impl Fn(Ray, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
+    sample: impl Fn(PathState, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
 ) -> Exposure {
     let [width, height] = film.size.map(|side| side as usize);
     let rows: Vec<(Vec<[f32; 3]>, Vec<Features>)> = (0..height)
@@ -38,8 +38,9 @@ pub(super) fn camera_pass<W, S: Sink>(
                 let mut sink = S::default();
                 for _ in 0..samples {
                     let at = center + film.filter.sample(sampler.square());
-                    let ray = scene.camera().ray(at, sampler.square());
-                    rays += u64::from(sample(ray, &mut sampler, &mut working, &mut sink));
+                    let (ray, response) = scene.view(at, &mut sampler);
+                    let path = PathState::new(ray, Spectrum::grey(response));
+                    rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 }
                 pixels.push((sink.radiance() / samples as f32).to_rgb());
                 features.extend(sink.features(samples));
@@ -75,7 +76,7 @@ pub(super) fn light_pass<V: Visitor + Send>(
         for index in range {
             let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
             let Some(emission) = scene.emit(&mut sampler) else { continue };
-            let path = PathState::new(emission.ray, emission.flux);
+            let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);
             work.flux_emitted += f64::from(emission.flux.mean()) / paths as f64;

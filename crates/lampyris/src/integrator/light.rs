@@ -63,14 +63,15 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
         1,
         &Rowless(observer),
         || (),
-        |ray, _, (), sink: &mut S| {
-            match scene.closest(&ray) {
+        |path, _, (), sink: &mut S| {
+            let light = match scene.closest(&path.ray) {
                 Some(point) => {
-                    sink.surface(&point, &PathState::new(ray, Spectrum::ONE));
-                    sink.add(scene.emitted(&point), 0);
+                    sink.surface(&point, &path);
+                    scene.emitted(&point)
                 }
-                None => sink.add(scene.background(), 0),
-            }
+                None => scene.background(path.ray.direction),
+            };
+            sink.add(path.throughput * light, 0);
             1
         },
     )
@@ -116,7 +117,7 @@ impl Visitor for Splat<'_> {
 
 impl Splat<'_> {
     fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2, offset: Vec2) -> Option<Arrival> {
-        let seen = self.scene.camera().see(point.surface.position, lens)?;
+        let seen = self.scene.seen_by_camera(point.surface.position, lens)?;
         let pixel = self.film.pixel_number(seen.pixel + self.film.filter.sample(offset))?;
         let to_camera = (seen.lens - point.surface.position).normalize();
         // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.

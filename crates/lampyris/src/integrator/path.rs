@@ -9,7 +9,6 @@ use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, PathSettings};
 use crate::scene::{Scene, SurfacePoint};
-use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, mis_weight, walk};
 
 /// See the module.
@@ -54,9 +53,9 @@ impl PathTracing {
             samples,
             observer,
             || (),
-            |ray, sampler, (), sink: &mut S| {
+            |path, sampler, (), sink: &mut S| {
                 let mut look = Look { scene, max_bounces: limits.max_bounces, sink, last: None };
-                walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, sampler, &mut look).rays
+                walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
             },
         )
     }
@@ -92,7 +91,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf()));
-        self.sink.add(path.throughput * self.scene.background() * weight, path.bounce);
+        let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf(path.ray.direction)));
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction) * weight, path.bounce);
     }
 }

@@ -9,7 +9,6 @@ use crate::photon::{Bandwidth, Deposit, Estimate, Nearest, Photon, PhotonMap, Ra
 use crate::sampler::Sampler;
 use crate::scene::description::{BandwidthRule, Direct, FilmDescription, PhotonMapSettings, Show};
 use crate::scene::{Scene, SurfacePoint};
-use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
 
 /// See the module.
@@ -70,9 +69,9 @@ impl PhotonMapping {
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let direct = self.settings.direct;
         let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, |ray, sampler, found, sink: &mut S| {
+        camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
             let mut gather = Gather { scene, estimate: &estimate, direct, max_bounces, found, sink };
-            walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, sampler, &mut gather).rays
+            walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
         })
     }
 }
@@ -154,6 +153,6 @@ impl<S: Sink> Visitor for Gather<'_, S> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        self.sink.add(path.throughput * self.scene.background(), path.bounce);
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.bounce);
     }
 }
