@@ -1,7 +1,6 @@
 //! The photon map: photons sorted into a grid whose rows are contiguous.
 //!
-//! On this kind of data (photons on surfaces, coherent queries) that beats a kd-tree four to one (the book,
-//! "Performance").
+//! On this kind of data (photons on surfaces, coherent queries) that beats a kd-tree (the book, "Performance").
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -143,10 +143,10 @@ impl Parts {
         let mut steps: Vec<u32> = sample.iter().map(|&point| grid.cell_of(point) / WORD / step).collect();
         steps.sort_unstable();
         let mut begins = [0; PARTS + 1];
-        for part in 1..PARTS {
+        for (part, begin) in begins.iter_mut().enumerate().take(PARTS).skip(1) {
             // Behind the step at the quantile, that this may be alone in its part.
             let quantile = steps.get(part * steps.len() / PARTS).map_or(0, |step| step + 1);
-            begins[part] = (quantile * step).min(words);
+            *begin = (quantile * step).min(words);
         }
         begins[PARTS] = words;
         let part_of = |place: u32| begins[1..PARTS].partition_point(|&begin| begin <= place * step) as u8;
