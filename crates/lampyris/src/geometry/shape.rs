@@ -80,9 +80,7 @@ impl Shape {
             Shape::Quad(quad) => Some(quad.bounds()),
             Shape::Disk(disk) => Some(disk.bounds()),
             Shape::Cylinder(cylinder) => Some(cylinder.bounds()),
-            Shape::Mesh(mesh) => {
-                Some((0..mesh.len()).fold(Bounds::EMPTY, |bounds, index| bounds.union(mesh.triangle(index).bounds())))
-            }
+            Shape::Mesh(mesh) => Some(mesh.bounds()),
         }
     }
 }
