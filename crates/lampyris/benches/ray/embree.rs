@@ -3,6 +3,7 @@
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::mem::ManuallyDrop;
 use std::ptr;
 use std::rc::Rc;
 
@@ -44,8 +45,9 @@ struct RayHit {
     instances: [u32; 9],
 }
 
+/// It stays open to the end, since its threads do.
 #[derive(Clone)]
-pub struct Library(Rc<libloading::Library>);
+pub struct Library(Rc<ManuallyDrop<libloading::Library>>);
 
 pub struct Scene {
     scene: Handle,
@@ -57,7 +59,7 @@ pub struct Scene {
 impl Library {
     pub fn open(path: &str) -> Result<Library, libloading::Error> {
         // SAFETY: whoever names the library trusts what it does when it is opened.
-        Ok(Library(Rc::new(unsafe { libloading::Library::new(path) }?)))
+        Ok(Library(Rc::new(ManuallyDrop::new(unsafe { libloading::Library::new(path) }?))))
     }
 
     fn symbol<T>(&self, name: &str) -> Symbol<'_, T> {

@@ -1,11 +1,12 @@
-//! Building a tree from the top: what is left is split in two where the surface area heuristic over bins says, until a
-//! node has eight boxes [Wald 2007; Wald, Benthin and Boulos 2008].
+//! Building a tree: references are split in two, and again in two, where the surface area heuristic over bins says
+//! [Wald 2007]; the binary tree is then collapsed to one of eight boxes a node, at the least cost.
 
 use glam::{Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 
+use super::collapse::{Binary, Forest, Parts};
 use super::kernel::Isa;
-use super::{LEAF, Leaf, Node, Tree, WIDTH};
+use super::{Leaf, Tree};
 use crate::geometry::Bounds;
 
 /// The box of something with a number, in few bytes.
@@ -16,12 +17,12 @@ pub(in super::super) struct Reference {
     greatest: Vec4,
 }
 
-/// Levels of the deepest tree.
-pub(super) const MAX_DEPTH: usize = 96;
+/// Levels of the deepest binary tree, and so of the deepest tree.
+pub(super) const MAX_DEPTH: usize = 128;
 /// The level from which on ranges are split in the middle, so that the rest has no more levels than bits.
-const HALVE: usize = MAX_DEPTH - 32;
-/// References from which on children are built by several threads.
-const PARALLEL: usize = 1 << 13;
+const HALVE: usize = MAX_DEPTH - 33;
+/// References up to which one thread builds and collapses a part of a tree.
+const PART: usize = 1 << 13;
 /// References that a thread bins at a time.
 const CHUNK: usize = 1 << 12;
 const MAX_BINS: usize = 32;
@@ -50,27 +51,27 @@ impl Reference {
 
 /// A box in registers.
 #[derive(Clone, Copy, Debug)]
-struct Extent {
+pub(super) struct Extent {
     least: Vec3A,
     greatest: Vec3A,
 }
 
 impl Extent {
-    const EMPTY: Extent = Extent { least: Vec3A::INFINITY, greatest: Vec3A::NEG_INFINITY };
+    pub(super) const EMPTY: Extent = Extent { least: Vec3A::INFINITY, greatest: Vec3A::NEG_INFINITY };
 
     #[inline]
-    fn union(self, other: Extent) -> Extent {
+    pub(super) fn union(self, other: Extent) -> Extent {
         Extent { least: self.least.min(other.least), greatest: self.greatest.max(other.greatest) }
     }
 
     /// Half the surface area.
     #[inline]
-    fn area(self) -> f32 {
+    pub(super) fn area(self) -> f32 {
         let size = self.greatest - self.least;
         size.x * size.y + size.y * size.z + size.z * size.x
     }
 
-    fn bounds(self) -> Bounds {
+    pub(super) fn bounds(self) -> Bounds {
         Bounds { min: Vec3::from(self.least), max: Vec3::from(self.greatest) }
     }
 }
@@ -92,149 +93,67 @@ impl Tree {
             return None;
         }
         let range = Range::of(references, 0);
-        let mut parts = Parts::default();
-        branch(references, range, 0, in_leaf).flatten(&mut parts);
-        let Parts { nodes, leaves, depth } = parts;
+        let mut forest = Forest::default();
+        top(references, range, 0, in_leaf).plant(&mut forest);
+        let Parts { nodes, leaves, depth } = Parts::collapse(&forest);
         Some((Tree { nodes, depth, isa: Isa::best() }, leaves))
     }
 }
 
-/// Nodes and leaves, numbered from the start of the part.
-#[derive(Debug, Default)]
-struct Parts {
-    nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
-    depth: usize,
+/// The top of the binary tree, below which each part was built by one thread.
+enum Top {
+    Two(Box<[Top; 2]>),
+    Part(Vec<Binary>),
 }
 
-/// A part of a tree before its place in the whole is known.
-enum Branch {
-    /// A node, and for each of its boxes what is in it.
-    Node(Box<(Node, Vec<Branch>)>),
-    /// Built by one thread; the first node is the root.
-    Parts(Parts),
-    Leaf(Leaf),
-}
-
-impl Branch {
-    /// Appends itself to `parts`; what its parent calls it.
-    fn flatten(self, parts: &mut Parts) -> u32 {
+impl Top {
+    /// Appends itself to the forest; its place in the first tree.
+    fn plant(self, forest: &mut Forest) -> u32 {
         match self {
-            Branch::Leaf(leaf) => parts.push_leaf(leaf),
-            Branch::Node(content) => {
-                let (mut node, branches) = *content;
-                let place = parts.nodes.len();
-                parts.nodes.push(Node::empty());
-                let depth = std::mem::take(&mut parts.depth);
-                let mut deepest = 0;
-                for (child, branch) in node.children.iter_mut().zip(branches) {
-                    parts.depth = 0;
-                    *child = branch.flatten(parts);
-                    deepest = deepest.max(parts.depth);
-                }
-                parts.depth = depth.max(deepest + 1);
-                parts.nodes[place] = node;
-                place as u32
-            }
-            Branch::Parts(part) => {
-                let (place, leaves) = (parts.nodes.len() as u32, parts.leaves.len() as u32);
-                parts.leaves.extend(part.leaves);
-                parts.nodes.extend(part.nodes.into_iter().map(|mut node| {
-                    for child in &mut node.children {
-                        *child += if *child & LEAF != 0 { leaves } else { place };
-                    }
-                    node
-                }));
-                parts.depth = parts.depth.max(part.depth);
-                place
+            Top::Part(part) => forest.push_part(part),
+            Top::Two(two) => {
+                let [left, right] = two.map(|half| half.plant(forest));
+                Binary::push_parent(&mut forest.top, left, right)
             }
         }
     }
 }
 
-impl Parts {
-    fn push_leaf(&mut self, leaf: Leaf) -> u32 {
-        self.leaves.push(leaf);
-        (self.leaves.len() - 1) as u32 | LEAF
+fn top(references: &mut [Reference], range: Range, level: usize, in_leaf: usize) -> Top {
+    if range.count <= PART {
+        let mut builder = Builder { in_leaf, offset: range.first, bins: Bins::empty(), binary: Vec::new() };
+        builder.add(references, range, level);
+        return Top::Part(builder.binary);
     }
-
-    /// Appends the node over `range` and all below it; its number.
-    fn push_node(
-        &mut self,
-        references: &mut [Reference],
-        offset: usize,
-        range: Range,
-        level: usize,
-        in_leaf: usize,
-    ) -> u32 {
-        let place = self.nodes.len();
-        self.nodes.push(Node::empty());
-        self.depth = self.depth.max(level + 1);
-        let mut ranges = [range; WIDTH];
-        let count = split_in_eight(&mut references[range.first - offset..][..range.count], &mut ranges, level, in_leaf);
-        for (index, child) in ranges[..count].iter().enumerate() {
-            let number = if child.count <= in_leaf {
-                self.push_leaf(Leaf { first: child.first as u32, count: child.count as u32 })
-            } else {
-                self.push_node(references, offset, *child, level + 1, in_leaf)
-            };
-            self.nodes[place].set(index, child.around.bounds(), number);
-        }
-        place as u32
-    }
+    let (left, right) = range.split(references, level, in_leaf, &mut Bins::empty());
+    let (own, other) = references.split_at_mut(left.count);
+    let (left, right) = rayon::join(|| top(own, left, level + 1, in_leaf), || top(other, right, level + 1, in_leaf));
+    Top::Two(Box::new([left, right]))
 }
 
-/// The branch over `range`, which is what `references` are.
-fn branch(references: &mut [Reference], range: Range, level: usize, in_leaf: usize) -> Branch {
-    if range.count < PARALLEL {
-        let mut parts = Parts::default();
-        parts.push_node(references, range.first, range, level, in_leaf);
-        parts.depth -= level;
-        return Branch::Parts(parts);
-    }
-    let mut ranges = [range; WIDTH];
-    let count = split_in_eight(references, &mut ranges, level, in_leaf);
-    let ranges = &mut ranges[..count];
-    ranges.sort_unstable_by_key(|child| child.first);
-    let mut node = Node::empty();
-    let mut rest = references;
-    let mut tasks = Vec::with_capacity(count);
-    for (index, child) in ranges.iter().enumerate() {
-        node.set(index, child.around.bounds(), LEAF);
-        let (own, others) = rest.split_at_mut(child.count);
-        tasks.push((own, *child));
-        rest = others;
-    }
-    let build = |(own, child): (&mut [Reference], Range)| {
-        if child.count <= in_leaf {
-            return Branch::Leaf(Leaf { first: child.first as u32, count: child.count as u32 });
-        }
-        branch(own, child, level + 1, in_leaf)
-    };
-    Branch::Node(Box::new((node, tasks.into_par_iter().map(build).collect())))
+/// Builds a part of the binary tree.
+struct Builder {
+    in_leaf: usize,
+    /// The place of the part's first reference.
+    offset: usize,
+    bins: Bins,
+    binary: Vec<Binary>,
 }
 
-/// Splits the first of `ranges`, which is what `references` are, until there are eight or none can be split: always the
-/// one of the largest area. How many there are.
-fn split_in_eight(references: &mut [Reference], ranges: &mut [Range; WIDTH], level: usize, in_leaf: usize) -> usize {
-    let offset = ranges[0].first;
-    let mut count = 1;
-    while count < WIDTH {
-        let mut largest: Option<(usize, f32)> = None;
-        for (index, range) in ranges[..count].iter().enumerate() {
-            let area = range.around.area();
-            if range.count > in_leaf && largest.is_none_or(|(_, before)| area > before) {
-                largest = Some((index, area));
-            }
+impl Builder {
+    /// Appends the tree over `range`; the place of its root, which is its last.
+    fn add(&mut self, references: &mut [Reference], range: Range, level: usize) -> u32 {
+        if range.count <= self.in_leaf {
+            let leaf = Leaf { first: range.first as u32, count: range.count as u32 };
+            Binary::push_leaf(&mut self.binary, range.around, leaf)
+        } else {
+            let own = &mut references[range.first - self.offset..][..range.count];
+            let (left, right) = range.split(own, level, self.in_leaf, &mut self.bins);
+            let left = self.add(references, left, level + 1);
+            let right = self.add(references, right, level + 1);
+            Binary::push_parent(&mut self.binary, left, right)
         }
-        let Some((index, _)) = largest else { break };
-        let range = ranges[index];
-        let (left, right) = range.split(&mut references[range.first - offset..][..range.count], level, in_leaf);
-        ranges[index] = left;
-        ranges[count] = right;
-        count += 1;
     }
-    count
 }
 
 /// What lies in a bin along each axis.
@@ -269,9 +188,9 @@ impl Grid {
     }
 
     #[inline]
-    fn place(&self, middle: Vec3A) -> [usize; 3] {
+    fn places(&self, middle: Vec3A) -> [usize; 3] {
         let place = (middle - self.least) * self.scale;
-        [place.x, place.y, place.z].map(|x| (x as i32 as usize) % MAX_BINS)
+        [place.x, place.y, place.z].map(|x| x as u32 as usize % MAX_BINS)
     }
 }
 
@@ -280,58 +199,75 @@ impl Bins {
         Bins { around: [[Extent::EMPTY; 3]; MAX_BINS], counts: [[0; 3]; MAX_BINS] }
     }
 
-    fn of(references: &[Reference], grid: &Grid) -> Bins {
-        if references.len() > CHUNK {
-            let parts = references.par_chunks(CHUNK).map(|chunk| Bins::of(chunk, grid));
-            return parts.reduce_with(|a, b| a.union(&b, grid.bins)).unwrap_or_else(Bins::empty);
-        }
-        let mut bins = Bins::empty();
-        for reference in references {
-            let extent = reference.extent();
-            let places = grid.place(extent.least + extent.greatest);
-            for (axis, place) in places.into_iter().enumerate() {
-                let around = &mut bins.around[place][axis];
-                *around = around.union(extent);
-                bins.counts[place][axis] += 1;
+    /// Fills the bins of the grid, which may hold anything.
+    fn fill(&mut self, references: &[Reference], grid: &Grid) {
+        if references.len() > PART {
+            let of_chunk = |chunk: &[Reference]| {
+                let mut bins = Bins::empty();
+                bins.add(chunk, grid);
+                Box::new(bins)
+            };
+            let chunks = references.par_chunks(CHUNK).map(of_chunk).reduce_with(|mut a, b| {
+                a.unite(&b, grid.bins);
+                a
+            });
+            if let Some(bins) = chunks {
+                *self = *bins;
             }
+            return;
         }
-        bins
+        self.around[..grid.bins].fill([Extent::EMPTY; 3]);
+        self.counts[..grid.bins].fill([0; 3]);
+        self.add(references, grid);
     }
 
-    fn union(mut self, other: &Bins, bins: usize) -> Bins {
+    fn add(&mut self, references: &[Reference], grid: &Grid) {
+        for reference in references {
+            let extent = reference.extent();
+            let places = grid.places(extent.least + extent.greatest);
+            for (axis, place) in places.into_iter().enumerate() {
+                let around = &mut self.around[place][axis];
+                *around = around.union(extent);
+                self.counts[place][axis] += 1;
+            }
+        }
+    }
+
+    fn unite(&mut self, other: &Bins, bins: usize) {
         for bin in 0..bins {
             for axis in 0..3 {
                 self.around[bin][axis] = self.around[bin][axis].union(other.around[bin][axis]);
                 self.counts[bin][axis] += other.counts[bin][axis];
             }
         }
-        self
     }
 
     /// The split of least cost, which is area times leaves on each side; none if all lie in one bin.
     fn best(&self, bins: usize, in_leaf: usize) -> Option<Split> {
-        let leaves = |count: u32| count.div_ceil(in_leaf as u32) as f32;
-        let mut best = None;
-        let mut least = f32::INFINITY;
-        for axis in 0..3 {
-            let mut right_costs = [0.0; MAX_BINS];
-            let (mut right, mut count) = (Extent::EMPTY, 0);
-            for bin in (1..bins).rev() {
-                right = right.union(self.around[bin][axis]);
-                count += self.counts[bin][axis];
-                right_costs[bin] = if count == 0 { f32::INFINITY } else { right.area() * leaves(count) };
-            }
-            let (mut left, mut count) = (Extent::EMPTY, 0);
-            for bin in 1..bins {
-                left = left.union(self.around[bin - 1][axis]);
-                count += self.counts[bin - 1][axis];
-                if count == 0 {
-                    continue;
+        let leaves = |count: u32| (count as usize).div_ceil(in_leaf) as f32;
+        let mut right_costs = [[f32::INFINITY; 3]; MAX_BINS];
+        let (mut around, mut counts) = ([Extent::EMPTY; 3], [0; 3]);
+        for bin in (1..bins).rev() {
+            for axis in 0..3 {
+                around[axis] = around[axis].union(self.around[bin][axis]);
+                counts[axis] += self.counts[bin][axis];
+                if counts[axis] > 0 {
+                    right_costs[bin][axis] = around[axis].area() * leaves(counts[axis]);
                 }
-                let cost = left.area() * leaves(count) + right_costs[bin];
-                if cost < least {
-                    least = cost;
-                    best = Some(Split { axis, bin });
+            }
+        }
+        let (mut around, mut counts) = ([Extent::EMPTY; 3], [0; 3]);
+        let (mut best, mut least) = (None, f32::INFINITY);
+        for bin in 1..bins {
+            for axis in 0..3 {
+                around[axis] = around[axis].union(self.around[bin - 1][axis]);
+                counts[axis] += self.counts[bin - 1][axis];
+                if counts[axis] > 0 {
+                    let cost = around[axis].area() * leaves(counts[axis]) + right_costs[bin][axis];
+                    if cost < least {
+                        least = cost;
+                        best = Some(Split { axis, bin });
+                    }
                 }
             }
         }
@@ -352,9 +288,9 @@ impl Range {
         if references.len() <= CHUNK {
             return part(references);
         }
-        let union =
+        let unite =
             |a: Range, b: Range| Range { around: a.around.union(b.around), middles: a.middles.union(b.middles), ..a };
-        references.par_chunks(CHUNK).map(part).reduce_with(union).unwrap_or_else(|| part(references))
+        references.par_chunks(CHUNK).map(part).reduce_with(unite).unwrap_or_else(|| part(references))
     }
 
     #[inline]
@@ -365,12 +301,18 @@ impl Range {
     }
 
     /// Its two halves, sorted apart.
-    fn split(&self, references: &mut [Reference], level: usize, in_leaf: usize) -> (Range, Range) {
+    fn split(&self, references: &mut [Reference], level: usize, in_leaf: usize, bins: &mut Bins) -> (Range, Range) {
         let grid = Grid::new(self);
-        let split = if level < HALVE { Bins::of(references, &grid).best(grid.bins, in_leaf) } else { None };
+        let split = if level < HALVE {
+            bins.fill(references, &grid);
+            bins.best(grid.bins, in_leaf)
+        } else {
+            None
+        };
         match split {
             Some(Split { axis, bin }) => {
-                self.partition(references, |reference| grid.place(reference.middle())[axis] < bin)
+                let (least, scale, bin) = (grid.least[axis], grid.scale[axis], bin as u32);
+                self.partition(references, |middle| (((middle[axis] - least) * scale) as u32) < bin)
             }
             None => {
                 let (left, right) = references.split_at(references.len() / 2);
@@ -379,21 +321,25 @@ impl Range {
         }
     }
 
-    /// Moves those that `is_left` to the front.
+    /// Moves those whose middles are on the left to the front.
     #[inline]
-    fn partition(&self, references: &mut [Reference], is_left: impl Fn(&Reference) -> bool) -> (Range, Range) {
+    fn partition(&self, references: &mut [Reference], is_left: impl Fn(Vec3A) -> bool) -> (Range, Range) {
         let empty = Range { first: self.first, count: 0, around: Extent::EMPTY, middles: Extent::EMPTY };
         let (mut left, mut right) = (empty, empty);
         let (mut front, mut back) = (0, references.len());
-        while front < back {
-            if is_left(&references[front]) {
+        loop {
+            while front < back && is_left(references[front].middle()) {
                 left.add(&references[front]);
                 front += 1;
-            } else {
+            }
+            while front < back && !is_left(references[back - 1].middle()) {
                 back -= 1;
-                references.swap(front, back);
                 right.add(&references[back]);
             }
+            if front >= back {
+                break;
+            }
+            references.swap(front, back - 1);
         }
         left.count = front;
         right.count = references.len() - front;

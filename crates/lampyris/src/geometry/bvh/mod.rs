@@ -4,6 +4,7 @@
 //! kernels do the same operations in the same order, none contracted.
 
 mod build;
+mod collapse;
 mod kernel;
 mod packet;
 mod portable;
