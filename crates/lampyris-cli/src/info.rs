@@ -114,6 +114,7 @@ fn shapes(table: &mut Table, description: &SceneDescription, scene: &Scene) {
         GeometryDescription::Cylinder { .. } => "cylinder",
         GeometryDescription::Cube {} => "cube",
         GeometryDescription::Mesh { .. } | GeometryDescription::Triangles(_) => "mesh",
+        GeometryDescription::Instance { .. } => "instance",
     });
     table.row("shapes", format!("{}{}", description.shapes.len(), kinds_in_words(kinds)));
     table.row("triangles", triangles(scene));
@@ -146,6 +147,9 @@ fn materials(table: &mut Table, description: &SceneDescription) {
     let textures = description.textures.iter().map(|(name, texture)| match texture {
         TextureDescription::Bitmap { file, .. } => format!("{name}: {file}"),
         TextureDescription::Checkerboard { .. } => format!("{name}: checkerboard"),
+        TextureDescription::VertexColor {} => format!("{name}: vertex colours"),
+        TextureDescription::Product { .. } => format!("{name}: product"),
+        TextureDescription::Mix { .. } => format!("{name}: mix"),
     });
     table.row("textures", description.textures.len());
     table.list("", textures);
@@ -163,6 +167,14 @@ fn kind_of_material(material: &MaterialDescription) -> &'static str {
         MaterialDescription::TwoSided { .. } => "two-sided",
         MaterialDescription::Mask { .. } => "mask",
         MaterialDescription::Blend { .. } => "blend",
+        MaterialDescription::RoughDiffuse { .. } => "rough-diffuse",
+        MaterialDescription::DiffuseTransmission { .. } => "diffuse-transmission",
+        MaterialDescription::Phong { .. } => "phong",
+        MaterialDescription::Ward { .. } => "ward",
+        MaterialDescription::Principled(_) => "principled",
+        MaterialDescription::PrincipledThin(_) => "principled-thin",
+        MaterialDescription::NormalMap { .. } => "normal-map",
+        MaterialDescription::BumpMap { .. } => "bump-map",
     }
 }
 

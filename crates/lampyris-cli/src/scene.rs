@@ -40,13 +40,15 @@ pub fn change(imported: &mut Imported, changes: &ChangeArguments) -> Result<()> 
 /// # Errors
 /// Whatever makes no sense in it, with its place.
 pub fn ready(arguments: &SceneArguments, imported: &Imported, set: &[(String, String)]) -> Result<Built> {
-    build(&imported.description, &Files::beside(&arguments.scene)).map_err(|error| {
-        match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
-            // The line in the file is not to blame for what the command line put in its place.
-            Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
-            None => located(error, arguments, imported),
-        }
-    })
+    build(&imported.description, &Files::beside(&arguments.scene).with_embedded(imported.embedded.clone())).map_err(
+        |error| {
+            match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
+                // The line in the file is not to blame for what the command line put in its place.
+                Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
+                None => located(error, arguments, imported),
+            }
+        },
+    )
 }
 
 /// The same error where the scene file says what it is about, or at least with the file's name.

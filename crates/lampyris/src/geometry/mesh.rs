@@ -129,6 +129,7 @@ fn transformed(data: &MeshData, transform: &Mat4) -> MeshData {
         positions: data.positions.iter().map(|p| transform.transform_point3(Vec3::from_array(*p)).to_array()).collect(),
         normals: data.normals.iter().map(normal).collect(),
         uvs: data.uvs.clone(),
+        colors: data.colors.clone(),
         triangles: data.triangles.clone(),
     }
 }

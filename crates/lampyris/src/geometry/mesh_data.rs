@@ -11,6 +11,8 @@ pub struct MeshData {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates at the vertices, or empty.
     pub uvs: Vec<[f32; 2]>,
+    /// Linear RGB colours at the vertices, or empty.
+    pub colors: Vec<[f32; 3]>,
     /// Three vertex numbers a triangle, each less than `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -25,6 +27,9 @@ impl MeshData {
         }
         if !self.uvs.is_empty() && self.uvs.len() != count {
             return Some(format!("{} texture coordinates for {count} vertices", self.uvs.len()));
+        }
+        if !self.colors.is_empty() && self.colors.len() != count {
+            return Some(format!("{} colours for {count} vertices", self.colors.len()));
         }
         if let Some(index) = self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Some(format!("vertex {index} is not finite"));

@@ -15,6 +15,7 @@ use crate::scene::Assets;
 /// Meshes and pictures from the file system. A mesh is read once, however often it is asked for.
 pub struct Files {
     folder: PathBuf,
+    embedded: HashMap<String, Arc<[u8]>>,
     meshes: Mutex<HashMap<(String, u32), Arc<MeshOnce>>>,
 }
 
@@ -25,7 +26,13 @@ impl Files {
     /// Names are relative to the folder of `scene_file`.
     pub fn beside(scene_file: &Path) -> Files {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Files { folder, meshes: Mutex::default() }
+        Files { folder, embedded: HashMap::new(), meshes: Mutex::default() }
+    }
+
+    /// The same with files that lie inside the scene file, which go before those beside it.
+    #[must_use]
+    pub fn with_embedded(self, embedded: HashMap<String, Arc<[u8]>>) -> Files {
+        Files { embedded, ..self }
     }
 }
 
@@ -39,6 +46,9 @@ impl Assets for Files {
     }
 
     fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>> {
+        if let Some(bytes) = self.embedded.get(file) {
+            return decode_texture(file, bytes, raw).map(Arc::new);
+        }
         let path = self.folder.join(file);
         let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
         decode_texture(&path.to_string_lossy(), &bytes, raw).map(Arc::new)

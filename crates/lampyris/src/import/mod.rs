@@ -10,6 +10,7 @@ pub mod serialized;
 pub mod toml;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::error::{Error, Place, Warning};
 use crate::scene::SceneDescription;
@@ -25,6 +26,9 @@ pub struct Imported {
     pub places: Places,
     /// What was left out or done differently, each with its place.
     pub warnings: Vec<Warning>,
+    /// Files that lie inside the scene file, as pictures do in a `.glb`, by the names that the description gives
+    /// them; see [`Files::with_embedded`].
+    pub embedded: HashMap<String, Arc<[u8]>>,
 }
 
 /// Where each part of a description stands in its file, by key path: `shapes[2]`, `shapes[2].radius`.

@@ -65,7 +65,7 @@ pub fn read_str(file_name: &Path, text: &str) -> Result<Imported> {
     let description: SceneDescription =
         notation::read(schema.scene(), "", tree, &mut |key, span| keys.push((key.to_string(), span)))
             .map_err(locate)?;
-    Ok(Imported { description, places: places(file_name, text, keys), warnings: Vec::new() })
+    Ok(Imported { description, places: places(file_name, text, keys), ..Imported::default() })
 }
 
 fn syntax(error: &::toml::de::Error) -> Fault {

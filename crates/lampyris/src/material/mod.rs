@@ -8,8 +8,6 @@ mod event;
 mod glass;
 mod plastic;
 
-use glam::Vec2;
-
 pub use bsdf::{Bsdf, MAX_PARTS, Model, Part, Scatter, Scattered, Shares, choose_event};
 pub use coefficients::Coefficients;
 pub use delta::{Conductor, Hole, Mirror};
@@ -19,7 +17,7 @@ pub use glass::{Glass, ThinGlass};
 pub use plastic::Plastic;
 
 use crate::spectrum::Spectrum;
-use crate::texture::Texture;
+use crate::texture::{Lookup, Texture};
 
 /// The number of a material in [`Materials`].
 pub type MaterialId = u32;
@@ -138,43 +136,43 @@ impl Materials {
     /// What the material is at a point, seen from the side of the normal (`front`) or the other one. Looks all
     /// textures up.
     #[inline]
-    pub fn bsdf(&self, id: MaterialId, uv: Vec2, front: bool) -> Bsdf {
+    pub fn bsdf(&self, id: MaterialId, at: &Lookup, front: bool) -> Bsdf {
         let mut bsdf = Bsdf::empty();
-        self.collect(id, uv, front, 1.0, false, &mut bsdf);
+        self.collect(id, at, front, 1.0, false, &mut bsdf);
         bsdf
     }
 
-    fn collect(&self, id: MaterialId, uv: Vec2, front: bool, weight: f32, flipped: bool, bsdf: &mut Bsdf) {
+    fn collect(&self, id: MaterialId, at: &Lookup, front: bool, weight: f32, flipped: bool, bsdf: &mut Bsdf) {
         let model = match &self.0[id as usize] {
             Material::TwoSided { front: material, .. } if front => {
-                return self.collect(*material, uv, true, weight, flipped, bsdf);
+                return self.collect(*material, at, true, weight, flipped, bsdf);
             }
-            Material::TwoSided { back, .. } => return self.collect(*back, uv, true, weight, !flipped, bsdf),
+            Material::TwoSided { back, .. } => return self.collect(*back, at, true, weight, !flipped, bsdf),
             Material::Mask { opacity, material } => {
-                let opacity = opacity.at(uv).mean();
-                self.collect(*material, uv, front, weight * opacity, flipped, bsdf);
+                let opacity = opacity.at(at).mean();
+                self.collect(*material, at, front, weight * opacity, flipped, bsdf);
                 return bsdf.push(Part { weight: weight * (1.0 - opacity), flipped, model: Model::Hole(Hole) });
             }
             Material::Blend { weight: share, first, second } => {
-                let share = share.at(uv).mean();
-                self.collect(*first, uv, front, weight * (1.0 - share), flipped, bsdf);
-                return self.collect(*second, uv, front, weight * share, flipped, bsdf);
+                let share = share.at(at).mean();
+                self.collect(*first, at, front, weight * (1.0 - share), flipped, bsdf);
+                return self.collect(*second, at, front, weight * share, flipped, bsdf);
             }
-            Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
-            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.at(uv) }),
+            Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.at(at) }),
+            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.at(at) }),
             Material::Glass { ior, reflectance, transmittance } => {
-                Model::Glass(Glass { ior: *ior, reflectance: reflectance.at(uv), transmittance: transmittance.at(uv) })
+                Model::Glass(Glass { ior: *ior, reflectance: reflectance.at(at), transmittance: transmittance.at(at) })
             }
             Material::ThinGlass { ior, reflectance, transmittance } => Model::ThinGlass(ThinGlass {
                 ior: *ior,
-                reflectance: reflectance.at(uv),
-                transmittance: transmittance.at(uv),
+                reflectance: reflectance.at(at),
+                transmittance: transmittance.at(at),
             }),
             Material::Conductor { eta, k, reflectance } => {
-                Model::Conductor(Conductor { eta: *eta, k: *k, reflectance: reflectance.at(uv) })
+                Model::Conductor(Conductor { eta: *eta, k: *k, reflectance: reflectance.at(at) })
             }
             Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => {
-                Model::Plastic(Plastic::new(reflectance.at(uv), specular.at(uv), *ior, *inner_reflectance, *nonlinear))
+                Model::Plastic(Plastic::new(reflectance.at(at), specular.at(at), *ior, *inner_reflectance, *nonlinear))
             }
             Material::Coefficients(coefficients) => Model::Coefficients(*coefficients),
         };

@@ -20,6 +20,7 @@ use crate::material::{Bsdf, Lobes, MaterialId, Materials};
 use crate::math::{Distribution, Frame};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
+use crate::texture::Lookup;
 
 /// A scene ready for light: immutable, everything checked and linked by number.
 #[derive(Debug)]
@@ -114,7 +115,7 @@ impl Scene {
         let to_previous = -ray.direction;
         let frame = Frame::around(surface.shading_normal);
         let front = surface.shading_normal.dot(to_previous) > 0.0;
-        let bsdf = self.materials.bsdf(self.shapes[hit.shape as usize].material, surface.uv, front);
+        let bsdf = self.materials.bsdf(self.shapes[hit.shape as usize].material, &Lookup::point(surface.uv), front);
         Some(SurfacePoint { surface, frame, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
     }
 

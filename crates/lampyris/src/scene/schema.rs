@@ -19,6 +19,8 @@ impl Schema {
     pub(crate) fn of_scenes() -> Schema {
         let mut root = schemars::schema_for!(SceneDescription).to_value();
         tidy(&mut root);
+        let definitions = root["$defs"].clone();
+        inline(&mut root, &definitions);
         // A file may leave the integrator's type out.
         if let Some(required) = root.pointer_mut("/$defs/IntegratorDescription/oneOf/0/required") {
             *required = Value::Array(Vec::new());
@@ -61,6 +63,25 @@ fn tidy(schema: &mut Value) {
             keys.values_mut().for_each(tidy);
         }
         Value::Array(items) => items.iter_mut().for_each(tidy),
+        _ => {}
+    }
+}
+
+/// A type whose keys are written elsewhere gets them in place, so that all types look alike.
+fn inline(schema: &mut Value, definitions: &Value) {
+    match schema {
+        Value::Object(keys) => {
+            let target = keys.get("$ref").and_then(Value::as_str).and_then(|path| path.strip_prefix("#/$defs/"));
+            let extra = target.map(|name| definitions[name]["properties"].clone());
+            if let (Some(Value::Object(own)), Some(Value::Object(extra))) = (keys.get_mut("properties"), extra) {
+                own.extend(extra);
+                keys.remove("$ref");
+                keys.insert("additionalProperties".into(), false.into());
+                keys.remove("unevaluatedProperties");
+            }
+            keys.values_mut().for_each(|value| inline(value, definitions));
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| inline(item, definitions)),
         _ => {}
     }
 }
@@ -277,7 +298,18 @@ mod tests {
     fn only_texts_are_taken_for_texts() {
         assert_eq!(
             all(|form| matches!(form, Form::Text)),
-            [".shapes.name", ".shapes:mesh.file", ".textures:bitmap.file"]
+            [
+                ".camera.irradiance-of",
+                ".groups.material:conductor.metal",
+                ".groups.material:normal-map.normals",
+                ".groups.material:bump-map.height",
+                ".groups.name",
+                ".groups:mesh.file",
+                ".groups:instance.group",
+                ".lights:environment.file",
+                ".lights:projector.texture",
+                ".textures:bitmap.file"
+            ]
         );
     }
 
@@ -285,7 +317,7 @@ mod tests {
     fn every_choice_of_types_is_known() {
         assert_eq!(
             all(|form| matches!(form, Form::Tagged(_))),
-            [".film.filter", ".integrator", ".lights", ".materials", ".shapes", ".textures"]
+            [".film.filter", ".groups", ".groups.material", ".integrator", ".lights", ".textures"]
         );
     }
 }

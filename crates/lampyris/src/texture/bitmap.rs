@@ -50,7 +50,7 @@ impl Bitmap {
         let size = size as i64;
         let wrapped = match self.wrap {
             Wrap::Repeat => index.rem_euclid(size),
-            Wrap::Clamp => index.clamp(0, size - 1),
+            Wrap::Clamp | Wrap::Black | Wrap::White => index.clamp(0, size - 1),
             Wrap::Mirror => {
                 let index = index.rem_euclid(2 * size);
                 index.min(2 * size - 1 - index)

@@ -20,17 +20,49 @@ pub enum Texture {
     /// A picture.
     Bitmap(Bitmap),
     /// Squares of two colours.
-    Checkerboard(Checkerboard),
+    Checkerboard(Box<Checkerboard>),
+    /// The colours of the vertices.
+    VertexColor,
+    /// Two textures multiplied.
+    Product(Box<[Texture; 2]>),
+    /// A linear mix: weight of the second, the first, the second.
+    Mix(Box<[Texture; 3]>),
+}
+
+/// What a texture is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lookup {
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// The colour that the vertices around the point give it; white without such colours.
+    pub vertex_color: Spectrum,
+    /// Across what the ray sees there, in texture coordinates; 0 for a point.
+    pub footprint: f32,
+}
+
+impl Lookup {
+    /// At a point without extent or vertex colour.
+    pub fn point(uv: Vec2) -> Lookup {
+        Lookup { uv, vertex_color: Spectrum::ONE, footprint: 0.0 }
+    }
 }
 
 impl Texture {
-    /// The colour at these texture coordinates.
+    /// The colour there.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> Spectrum {
+    pub fn at(&self, lookup: &Lookup) -> Spectrum {
         match self {
             Texture::Constant(color) => *color,
-            Texture::Bitmap(bitmap) => bitmap.at(uv),
-            Texture::Checkerboard(checkerboard) => checkerboard.at(uv),
+            Texture::Bitmap(bitmap) => bitmap.at(lookup.uv),
+            Texture::Checkerboard(checkerboard) => checkerboard.at(lookup),
+            Texture::VertexColor => lookup.vertex_color,
+            Texture::Product(factors) => factors[0].at(lookup) * factors[1].at(lookup),
+            Texture::Mix(mix) => {
+                let [weight, first, second] = &**mix;
+                let weight = weight.at(lookup);
+                let rest = weight.map(|weight| 1.0 - weight);
+                first.at(lookup) * rest + second.at(lookup) * weight
+            }
         }
     }
 }
@@ -46,4 +78,38 @@ pub enum Wrap {
     Mirror,
     /// The colour of the border.
     Clamp,
+    /// Black.
+    Black,
+    /// White.
+    White,
+}
+
+/// How the pixels of a picture become a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TextureFilter {
+    /// The nearest pixel.
+    Nearest,
+    /// Linear between pixels.
+    #[default]
+    Bilinear,
+    /// Linear between pixels of the picture, made smaller by halves as far as a ray sees it [Williams 1983].
+    Mip,
+}
+
+/// What of a picture a texture takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Channel {
+    /// Red, green and blue.
+    #[default]
+    Color,
+    /// The red channel alone, as grey.
+    Red,
+    /// The green channel alone, as grey.
+    Green,
+    /// The blue channel alone, as grey.
+    Blue,
+    /// The opacity, as grey; 1 where the file has none.
+    Alpha,
 }

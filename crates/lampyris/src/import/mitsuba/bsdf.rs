@@ -111,6 +111,7 @@ impl Importer<'_> {
             exterior_ior: ior(query, "ext_ior", "air")?,
             reflectance: self.paint(query, "specular_reflectance", Role::Surface, 1.0)?,
             transmittance: self.paint(query, "specular_transmittance", Role::Surface, 1.0)?,
+            roughness: None,
         })
     }
 
@@ -130,6 +131,7 @@ impl Importer<'_> {
             ior: ior(query, "int_ior", "polypropylene")?,
             exterior_ior: ior(query, "ext_ior", "air")?,
             nonlinear: query.boolean("nonlinear", false)?,
+            roughness: None,
         })
     }
 
@@ -150,9 +152,11 @@ impl Importer<'_> {
         // 0.x has the metal in a medium; only the ratio counts.
         let outside = if query.property("ext_eta").is_some() { ior(query, "ext_eta", "air")? } else { 1.0 };
         Ok(MaterialDescription::Conductor {
-            eta: Color(eta.0.map(|eta| eta / outside)),
-            k: Color(k.0.map(|k| k / outside)),
+            metal: None,
+            eta: Some(Color(eta.0.map(|eta| eta / outside))),
+            k: Some(Color(k.0.map(|k| k / outside))),
             reflectance,
+            roughness: None,
         })
     }
 

@@ -40,7 +40,7 @@ impl Importer<'_> {
                 let direction = query.vector("direction")?.unwrap_or_else(|| matrix.transform_vector3(DVec3::Z));
                 self.note_all(&key, query, &[("direction", "direction"), ("irradiance", "irradiance")]);
                 let irradiance = self.color(query, "irradiance", Role::Light, 1.0)?;
-                LightDescription::Directional { direction: single(direction), irradiance }
+                LightDescription::Directional { direction: single(direction), irradiance, angle: 0.0 }
             }
             "constant" => LightDescription::Constant { radiance: self.color(query, "radiance", Role::Light, 1.0)? },
             // Shapes refer to it.

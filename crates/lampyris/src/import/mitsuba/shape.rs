@@ -116,7 +116,7 @@ impl Importer<'_> {
         query.ignore(&["sampling_weight"]);
         let radiance = self.color(query, "radiance", Role::Light, 1.0)?;
         self.leftovers(query);
-        Ok(Some(EmissionDescription { radiance: Some(radiance), power: None }))
+        Ok(Some(EmissionDescription { radiance: Some(radiance.into()), power: None, scale: 1.0, two_sided: false }))
     }
 
     fn sphere(&mut self, query: Query, matrix: DMat4) -> Result<Placed> {

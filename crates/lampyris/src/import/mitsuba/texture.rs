@@ -8,7 +8,7 @@ use super::query::Query;
 use super::spectrum::{Role, to_rgb};
 use super::value;
 use crate::error::Result;
-use crate::scene::description::{Color, Paint, TextureDescription, Transform, Wrap};
+use crate::scene::description::{Channel, Color, Paint, TextureDescription, TextureFilter, Transform, Wrap};
 
 impl Importer<'_> {
     /// The colour `name`, or `default`. A texture there becomes a warning and its default.
@@ -88,8 +88,8 @@ impl Importer<'_> {
         let texture = match query.object.plugin.as_str() {
             "bitmap" => self.bitmap(query)?,
             _ => TextureDescription::Checkerboard {
-                color0: self.color(query, "color0", Role::Surface, 0.4)?,
-                color1: self.color(query, "color1", Role::Surface, 0.2)?,
+                color0: self.paint(query, "color0", Role::Surface, 0.4)?,
+                color1: self.paint(query, "color1", Role::Surface, 0.2)?,
                 to_uv: single(to_uv(query)?),
             },
         };
@@ -128,13 +128,22 @@ impl Importer<'_> {
         };
         // Mitsuba 0.x also has trilinear and ewa, which agree with bilinear up to their blur.
         let nearest = query.text("filter_type")?.is_some_and(|filter| filter == "nearest");
+        let filter = if nearest { TextureFilter::Nearest } else { TextureFilter::Bilinear };
         // Its gamma of 1 means that the numbers are linear; -1 that the file knows.
         let raw = query.boolean("raw", false)? || query.optional_float("gamma")?.is_some_and(|gamma| gamma == 1.0);
         // Its (0, 0) is the top left corner of the picture, ours the bottom left.
         let upside_down = DMat4::from_translation(DVec3::Y) * DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
         let to_uv = single(upside_down * to_uv(query)?);
         query.ignore(&["max_anisotropy", "cache", "accel", "format", "wrap_mode_v"]);
-        Ok(TextureDescription::Bitmap { file: file.to_string(), raw, nearest, wrap, to_uv })
+        Ok(TextureDescription::Bitmap {
+            file: file.to_string(),
+            raw,
+            channel: Channel::Color,
+            filter,
+            wrap,
+            wrap_v: None,
+            to_uv,
+        })
     }
 }
 

@@ -160,6 +160,7 @@ fn any_mesh() -> impl Strategy<Value = MeshData> {
             uvs: if with_uvs { corners.iter().map(|corner| corner.1).collect() } else { Vec::new() },
             normals: if with_normals { corners.iter().map(|corner| normal(corner.2)).collect() } else { Vec::new() },
             triangles: (0..corners.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            ..MeshData::default()
         }
     })
 }
@@ -199,6 +200,7 @@ fn second_opinion(text: &str) -> MeshData {
         normals: mesh.normals.as_chunks().0.to_vec(),
         uvs: mesh.texcoords.as_chunks().0.to_vec(),
         triangles: mesh.indices.as_chunks().0.to_vec(),
+        ..MeshData::default()
     }
 }
 

@@ -213,6 +213,7 @@ fn any_mesh() -> impl Strategy<Value = MeshData> {
             normals,
             uvs,
             triangles,
+            ..MeshData::default()
         })
     })
 }

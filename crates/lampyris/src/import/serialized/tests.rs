@@ -151,6 +151,7 @@ fn any_mesh() -> impl Strategy<Value = MeshData> {
             normals,
             uvs,
             triangles,
+            ..MeshData::default()
         })
     })
 }

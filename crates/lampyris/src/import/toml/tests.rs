@@ -158,7 +158,7 @@ fn an_unknown_type_proposes_the_near_one() {
 fn an_unknown_type_far_from_all_lists_them() {
     fails(
         "[[lights]]\ntype = 'zzz'\n",
-        "s.toml:2:8: unknown light type 'zzz'; the types are point, spot, directional and constant",
+        "s.toml:2:8: unknown light type 'zzz'; the types are point, spot, directional, constant, environment, sky, projector and beam",
     );
 }
 
@@ -167,7 +167,7 @@ fn a_missing_type_lists_the_types() {
     fails(
         "[[shapes]]\nradius = 1\n",
         "s.toml:1:1: a shape without 'type'; \
-         the types are plane, sphere, quad, disk, cylinder, cube and mesh",
+         the types are plane, sphere, quad, disk, cylinder, cube, mesh and instance",
     );
 }
 

@@ -31,7 +31,7 @@ pub(super) fn build(light: &LightDescription, world: World) -> Result<Light> {
             let intensity = intensity_of(*intensity, *power, Spot::unit_power(cutoff, beam_width))?;
             Ok(Light::Spot(Spot::new(position, direction, intensity, cutoff, beam_width)))
         }
-        LightDescription::Directional { direction, irradiance } => {
+        LightDescription::Directional { direction, irradiance, angle: _ } => {
             let direction = Frame::around(check::direction("direction", *direction)?);
             let irradiance = lit("irradiance", check::light("irradiance", *irradiance)?)?;
             Ok(Light::Directional(Directional { direction, irradiance, world }))
@@ -40,6 +40,7 @@ pub(super) fn build(light: &LightDescription, world: World) -> Result<Light> {
             let radiance = lit("radiance", check::light("radiance", *radiance)?)?;
             Ok(Light::Constant(Constant { radiance, world }))
         }
+        _ => Err(Error::new("this light cannot be rendered yet")),
     }
 }
 

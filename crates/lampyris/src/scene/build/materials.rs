@@ -10,7 +10,7 @@ use crate::error::{Error, Result, did_you_mean};
 use crate::material::{Coefficients, MAX_PARTS, Material, MaterialId, Materials, Plastic};
 use crate::scene::Assets;
 use crate::scene::description::{
-    Color, MaterialDescription, MaterialRef, Paint, SceneDescription, TextureDescription, Transform,
+    Color, MaterialDescription, MaterialRef, Paint, SceneDescription, TextureDescription, TextureFilter, Transform,
 };
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Checkerboard, Texture};
@@ -85,22 +85,26 @@ impl<'d> Builder<'d> {
             MaterialDescription::Mirror { reflectance } => {
                 Material::Mirror { reflectance: self.paint("reflectance", reflectance)? }
             }
-            MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance } => Material::Glass {
-                ior: ratio(*ior, *exterior_ior)?,
-                reflectance: self.paint("reflectance", reflectance)?,
-                transmittance: self.paint("transmittance", transmittance)?,
-            },
+            MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance, roughness: None } => {
+                Material::Glass {
+                    ior: ratio(*ior, *exterior_ior)?,
+                    reflectance: self.paint("reflectance", reflectance)?,
+                    transmittance: self.paint("transmittance", transmittance)?,
+                }
+            }
             MaterialDescription::ThinGlass { ior, exterior_ior, reflectance, transmittance } => Material::ThinGlass {
                 ior: ratio(*ior, *exterior_ior)?,
                 reflectance: self.paint("reflectance", reflectance)?,
                 transmittance: self.paint("transmittance", transmittance)?,
             },
-            MaterialDescription::Conductor { eta, k, reflectance } => Material::Conductor {
-                eta: check::light("eta", *eta)?,
-                k: check::light("k", *k)?,
-                reflectance: self.paint("reflectance", reflectance)?,
-            },
-            MaterialDescription::Plastic { reflectance, specular, ior, exterior_ior, nonlinear } => {
+            MaterialDescription::Conductor { metal: None, eta, k, reflectance, roughness: None } => {
+                Material::Conductor {
+                    eta: check::light("eta", eta.unwrap_or_default())?,
+                    k: check::light("k", k.unwrap_or_default())?,
+                    reflectance: self.paint("reflectance", reflectance)?,
+                }
+            }
+            MaterialDescription::Plastic { reflectance, specular, ior, exterior_ior, nonlinear, roughness: None } => {
                 let ior = ratio(*ior, *exterior_ior)?;
                 Material::Plastic {
                     reflectance: self.paint("reflectance", reflectance)?,
@@ -127,6 +131,7 @@ impl<'d> Builder<'d> {
                 first: self.resolve(first, "first")?,
                 second: self.resolve(second, "second")?,
             },
+            _ => return Err(Error::new("this material cannot be rendered yet")),
         };
         let id = self.materials.add(material);
         let parts = self.materials.parts(id);
@@ -151,19 +156,31 @@ impl<'d> Builder<'d> {
 
     fn texture(&self, texture: &TextureDescription) -> Result<Texture> {
         match texture {
-            TextureDescription::Bitmap { file, raw, nearest, wrap, to_uv } => {
+            TextureDescription::Bitmap { file, raw, channel: _, filter, wrap, wrap_v: _, to_uv } => {
                 let image = self.assets.image(file, *raw).map_err(|error| error.under("file"))?;
                 if image.pixels().is_empty() {
                     return Err(Error::at_key("file", format!("the picture '{file}' has no pixel")));
                 }
                 let to_uv = planar(to_uv);
-                Ok(Texture::Bitmap(Bitmap { image: Arc::clone(&image), nearest: *nearest, wrap: *wrap, to_uv }))
+                let nearest = *filter == TextureFilter::Nearest;
+                Ok(Texture::Bitmap(Bitmap { image: Arc::clone(&image), nearest, wrap: *wrap, to_uv }))
             }
-            TextureDescription::Checkerboard { color0, color1, to_uv } => Ok(Texture::Checkerboard(Checkerboard {
-                color0: check::share("color0", *color0)?,
-                color1: check::share("color1", *color1)?,
-                to_uv: planar(to_uv),
-            })),
+            TextureDescription::Checkerboard { color0, color1, to_uv } => {
+                Ok(Texture::Checkerboard(Box::new(Checkerboard {
+                    color0: self.paint("color0", color0)?,
+                    color1: self.paint("color1", color1)?,
+                    to_uv: planar(to_uv),
+                })))
+            }
+            TextureDescription::VertexColor {} => Ok(Texture::VertexColor),
+            TextureDescription::Product { first, second } => {
+                Ok(Texture::Product(Box::new([self.paint("first", first)?, self.paint("second", second)?])))
+            }
+            TextureDescription::Mix { weight, first, second } => Ok(Texture::Mix(Box::new([
+                self.paint("weight", weight)?,
+                self.paint("first", first)?,
+                self.paint("second", second)?,
+            ]))),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::{check, materials};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Disk, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
 use crate::light::{Area, LightId};
-use crate::scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
+use crate::scene::description::{EmissionDescription, GeometryDescription, Paint, ShapeDescription};
 use crate::scene::{Assets, ShapeRecord};
 use crate::spectrum::Spectrum;
 
@@ -95,6 +95,7 @@ fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets
             let data = adapted(data, *face_normals, *smooth, *flip_v);
             mesh(&data, to_world, file).map_err(|error| error.under("file"))
         }
+        GeometryDescription::Instance { .. } => Err(Error::new("instances cannot be rendered yet")),
         GeometryDescription::Triangles(data) => mesh(data, to_world, "the mesh"),
     }
 }
@@ -152,8 +153,11 @@ fn radiance(emission: &EmissionDescription, geometry: &Shape) -> Result<Spectrum
     if matches!(geometry, Shape::Plane(_)) {
         return Err(Error::new("an infinite plane cannot emit: its power would be infinite").with_hint("use a quad"));
     }
-    let radiance = match (emission.radiance, emission.power) {
-        (Some(radiance), None) => check::light("radiance", radiance)?,
+    let radiance = match (&emission.radiance, emission.power) {
+        (Some(Paint::Color(radiance)), None) => check::light("radiance", *radiance)? * emission.scale,
+        (Some(Paint::Texture(_)), None) => {
+            return Err(Error::at_key("radiance", "a textured light cannot be rendered yet"));
+        }
         (None, Some(power)) => check::light("power", power)? / (std::f32::consts::PI * geometry.area()),
         _ => return Err(Error::new("an emission needs either a radiance or a power")),
     };

@@ -22,14 +22,6 @@ impl Color {
         Color::grey(1.0)
     }
 
-    pub(super) fn dark() -> Color {
-        Color::grey(0.4)
-    }
-
-    pub(super) fn darker() -> Color {
-        Color::grey(0.2)
-    }
-
     /// From the six hexadecimal digits of an sRGB colour, with or without `#`.
     pub fn from_hex(text: &str) -> Option<Color> {
         let digits = text.strip_prefix('#').unwrap_or(text);
@@ -93,6 +85,26 @@ impl Paint {
 
     pub(super) fn half() -> Paint {
         Paint::grey(0.5)
+    }
+
+    pub(super) fn quarter() -> Paint {
+        Paint::grey(0.25)
+    }
+
+    pub(super) fn fifth() -> Paint {
+        Paint::grey(0.2)
+    }
+
+    pub(super) fn tenth() -> Paint {
+        Paint::grey(0.1)
+    }
+
+    pub(super) fn dark() -> Paint {
+        Paint::grey(0.4)
+    }
+
+    pub(super) fn darker() -> Paint {
+        Paint::grey(0.2)
     }
 }
 
