@@ -135,6 +135,12 @@ impl Level {
         tree.any(&box_ray, max, &mut ItemLeaves { items, in_leaves, max })
     }
 
+    #[cfg(test)]
+    pub(super) fn make_portable(&mut self) {
+        let trees = self.items.iter_mut().map(|(tree, _)| tree);
+        trees.chain(self.triangles.iter_mut().map(|triangles| &mut triangles.tree)).for_each(Tree::make_portable);
+    }
+
     pub(super) fn statistics(&self) -> TreeStatistics {
         let of_items = self.items.as_ref().map_or(0, |(tree, items)| tree.bytes() + size_of_val(items.as_slice()));
         let Some(Triangles { tree, packets, .. }) = &self.triangles else {

@@ -15,6 +15,8 @@ mod ray;
 mod shape;
 mod sphere;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 
 pub use bounds::Bounds;
 pub use cylinder::Cylinder;

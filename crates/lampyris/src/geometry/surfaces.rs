@@ -42,9 +42,9 @@ pub struct Hit {
     pub distance: f32,
     /// Number of the shape, in the order they were added; in an instance that of the group's shape.
     pub shape: u32,
-    instance: Option<u32>,
-    triangle: u32,
-    barycentric: Vec2,
+    pub(super) instance: Option<u32>,
+    pub(super) triangle: u32,
+    pub(super) barycentric: Vec2,
 }
 
 /// Collects shapes for [`Surfaces`].
@@ -165,6 +165,22 @@ impl Surfaces {
                 placement.surface_to_world(&surface(&placement.ray_to_local(ray)))
             }
         }
+    }
+
+    /// How the position changes with either texture coordinate (∂p/∂u, ∂p/∂v) where a ray hit: the tangents of normal
+    /// maps and of anisotropy, in the world. Zero where all values of a coordinate meet, as at the poles of a sphere.
+    pub fn partials(&self, hit: &Hit, surface: &Surface) -> (Vec3, Vec3) {
+        let (along_u, along_v) = self.shapes[hit.shape as usize].shape.partials(surface.uv, hit.triangle);
+        let Some(instance) = hit.instance else { return (along_u, along_v) };
+        let placement = &self.instances[instance as usize].placement;
+        (placement.vector_to_world(along_u), placement.vector_to_world(along_v))
+    }
+
+    /// The same, traced with what every processor has.
+    #[cfg(test)]
+    pub(super) fn portable(mut self) -> Surfaces {
+        self.groups.iter_mut().chain([&mut self.world]).for_each(Level::make_portable);
+        self
     }
 
     /// How much there is in the acceleration structures.

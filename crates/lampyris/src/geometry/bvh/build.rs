@@ -258,12 +258,12 @@ impl Bins {
         }
         let (mut around, mut counts) = ([Extent::EMPTY; 3], [0; 3]);
         let (mut best, mut least) = (None, f32::INFINITY);
-        for bin in 1..bins {
+        for (bin, right_costs) in right_costs.iter().enumerate().take(bins).skip(1) {
             for axis in 0..3 {
                 around[axis] = around[axis].union(self.around[bin - 1][axis]);
                 counts[axis] += self.counts[bin - 1][axis];
                 if counts[axis] > 0 {
-                    let cost = around[axis].area() * leaves(counts[axis]) + right_costs[bin][axis];
+                    let cost = around[axis].area() * leaves(counts[axis]) + right_costs[axis];
                     if cost < least {
                         least = cost;
                         best = Some(Split { axis, bin });

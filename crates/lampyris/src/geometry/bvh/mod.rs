@@ -16,6 +16,8 @@ use super::Bounds;
 pub(super) use build::Reference;
 pub(super) use kernel::{Isa, Kernel};
 pub(super) use packet::{Best, Packet, TriangleRay};
+#[cfg(test)]
+pub(super) use portable::Portable;
 pub(super) use traverse::{BoxRay, Leaves};
 
 /// Boxes of a node.
@@ -85,6 +87,11 @@ impl Tree {
             .fold(Bounds::EMPTY, Bounds::union)
     }
 
+    #[cfg(test)]
+    pub(super) fn make_portable(&mut self) {
+        self.isa = Isa::Portable(portable::Portable);
+    }
+
     /// The bytes that its nodes take.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
@@ -94,7 +101,7 @@ impl Tree {
     /// of surface areas [Goldsmith and Salmon 1987].
     pub(super) fn cost(&self) -> f64 {
         let boxes = self.nodes.iter().flat_map(|node| (0..WIDTH).map(|index| node.bounds(index)));
-        let areas = boxes.filter(|bounds| !bounds.is_empty()).map(|bounds| half_area(bounds));
+        let areas = boxes.filter(|bounds| !bounds.is_empty()).map(half_area);
         1.0 + areas.sum::<f64>() / half_area(self.bounds()).max(f64::MIN_POSITIVE)
     }
 }
