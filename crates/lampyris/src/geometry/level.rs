@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bvh::{Best, BoxRay, Kernel, LANES, Leaf, Leaves, Packet, Reference, Tree, TriangleRay};
+use super::bvh::{Best, BoxRay, Kernel, LANES, Leaf, Leaves, Packet, Pages, Reference, Tree, TriangleRay};
 use super::{Bounds, Mesh, RELATIVE_ERROR, Ray};
 use glam::{Vec2, Vec3};
 
@@ -35,7 +35,7 @@ pub(super) struct Level {
 struct Triangles {
     tree: Tree,
     /// By leaf.
-    packets: Vec<Packet>,
+    packets: Pages<Packet>,
     /// The first triangle of each mesh, and the mesh's shape.
     meshes: Vec<(u32, u32)>,
 }
@@ -149,7 +149,7 @@ impl Level {
         TreeStatistics {
             triangles: packets.iter().map(Packet::len).sum(),
             packets: packets.len(),
-            bytes: of_items + tree.bytes() + size_of_val(packets.as_slice()),
+            bytes: of_items + tree.bytes() + size_of_val(&packets[..]),
             cost: tree.cost(),
         }
     }
@@ -187,7 +187,7 @@ impl Triangles {
             let inside = &references[leaf.first as usize..][..leaf.count as usize];
             Packet::new(inside.iter().map(|reference| (reference.number(), corners(reference.number()))))
         };
-        let packets = leaves.par_iter().map(packet).collect();
+        let packets = Pages::from_each(&leaves, packet);
         Some(Triangles { tree, packets, meshes: starts })
     }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::collapse::{Binary, Forest, Parts};
 use super::kernel::Isa;
-use super::{Leaf, Tree};
+use super::{Leaf, Pages, Tree};
 use crate::geometry::Bounds;
 
 /// The box of something with a number, in few bytes.
@@ -96,6 +96,7 @@ impl Tree {
         let mut forest = Forest::default();
         top(references, range, 0, in_leaf).plant(&mut forest);
         let Parts { nodes, leaves, depth } = Parts::collapse(&forest);
+        let nodes = Pages::from_each(&nodes, |node| *node);
         Some((Tree { nodes, depth, isa: Isa::best() }, leaves))
     }
 }

@@ -7,15 +7,19 @@ mod build;
 mod collapse;
 mod kernel;
 mod packet;
+mod pages;
 mod portable;
 mod traverse;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use bytemuck::{Pod, Zeroable};
+
 use super::Bounds;
 pub(super) use build::Reference;
 pub(super) use kernel::{Isa, Kernel};
 pub(super) use packet::{Best, Packet, TriangleRay};
+pub(super) use pages::Pages;
 #[cfg(test)]
 pub(super) use portable::Portable;
 pub(super) use traverse::{BoxRay, Leaves};
@@ -27,13 +31,15 @@ const WIDTH: usize = 8;
 pub(super) const LANES: usize = 4;
 
 /// Up to eight boxes and what is in them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Rows of the boxes' least x, y, z and greatest x, y, z. Boxes that are not there are empty, and no ray meets them.
     rows: [[f32; WIDTH]; 6],
     /// What is in the boxes: nodes, or leaves with [`LEAF`] set.
     children: [u32; WIDTH],
+    /// Fills the last line of the processor's cache.
+    _unused: [u32; WIDTH],
 }
 
 /// The bit that tells leaves from nodes.
@@ -42,7 +48,7 @@ const LEAF: u32 = 1 << 31;
 /// A hierarchy whose leaves have numbers from 0; the first node is its root.
 #[derive(Debug)]
 pub(super) struct Tree {
-    nodes: Vec<Node>,
+    nodes: Pages<Node>,
     /// Levels of nodes.
     depth: usize,
     isa: Isa,
@@ -61,6 +67,7 @@ impl Node {
         Node {
             rows: [none_least, none_least, none_least, none_greatest, none_greatest, none_greatest],
             children: [LEAF; WIDTH],
+            _unused: [0; WIDTH],
         }
     }
 
@@ -94,7 +101,7 @@ impl Tree {
 
     /// The bytes that its nodes take.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
+        size_of_val(&self.nodes[..])
     }
 
     /// What a random ray through the root's box costs on average, in tests of eight boxes or of one leaf, by the ratio

@@ -1,5 +1,6 @@
 //! Triangles as rays meet them: four at a time.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
 use super::LANES;
@@ -7,7 +8,7 @@ use super::kernel::Kernel;
 use crate::geometry::Ray;
 
 /// Up to four triangles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(in super::super) struct Packet {
     /// By corner, axis and triangle; lanes without a triangle are not numbers, and no ray meets them.
