@@ -1,5 +1,5 @@
 //! The crate obvhs as Lampyris used it before it had a traversal of its own: its compressed eight-wide tree, with the
-//! triangle test of Möller and Trumbore [1997].
+//! triangle test of [Möller & Trumbore 1997].
 
 use std::time::Duration;
 

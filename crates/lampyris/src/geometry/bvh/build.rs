@@ -96,6 +96,7 @@ impl Tree {
         let mut forest = Forest::default();
         top(references, range, 0, in_leaf).plant(&mut forest);
         let Parts { nodes, leaves, depth } = Parts::collapse(&forest);
+        drop(forest);
         let nodes = Pages::from_each(&nodes, |node| *node);
         Some((Tree { nodes, depth, isa: Isa::best() }, leaves))
     }
