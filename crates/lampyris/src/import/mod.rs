@@ -4,10 +4,15 @@ mod files;
 pub mod load;
 mod mesh;
 pub mod mitsuba;
+mod named;
 pub mod obj;
+mod observer;
 pub mod ply;
 pub mod serialized;
+mod source;
+mod spectrum;
 pub mod toml;
+mod value;
 
 use std::collections::HashMap;
 use std::sync::Arc;

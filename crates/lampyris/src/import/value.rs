@@ -1,6 +1,6 @@
 //! Numbers, colours and spectra from the text of an attribute.
 
-use super::document::Spectrum;
+use super::spectrum::Spectrum;
 use crate::scene::description::Color;
 use crate::spectrum::srgb_to_linear;
 

@@ -5,8 +5,18 @@
 //!
 //! Colours that RGB cannot hold are clamped to 0, as there.
 
-use super::document::Spectrum;
 use super::observer::{D65, FIRST, MATCHING};
+
+/// A spectrum as a file gives it, before we know whether it is of a surface or of a light.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Spectrum {
+    /// The same at all wavelengths.
+    Constant(f64),
+    /// Wavelength in nm and value, in rising order, straight lines between.
+    List(Vec<[f64; 2]>),
+    /// An ideal black body in kelvin, times a factor.
+    BlackBody { temperature: f64, scale: f64 },
+}
 
 /// What a spectrum belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
