@@ -1,16 +1,22 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
 mod files;
+mod framing;
+mod gzip;
 pub mod load;
 mod mesh;
 pub mod mitsuba;
+mod mtl;
 mod named;
 pub mod obj;
+pub mod obj_scene;
 mod observer;
+pub mod pbrt;
 pub mod ply;
 pub mod serialized;
 mod source;
 mod spectrum;
+pub mod stl;
 pub mod toml;
 mod value;
 
