@@ -30,7 +30,8 @@ const FLOORS: [(&str, u32); 21] = [
 ];
 
 /// Uses on one floor, each with its reason.
-const SIDEWAYS: [(&str, &str, &str); 4] = [
+const SIDEWAYS: [(&str, &str, &str); 5] = [
+    ("light", "texture", "a projector throws a texture"),
     ("material", "texture", "a material looks its textures up"),
     ("import", "output", "textures are pictures, and the readers of pictures stand beside their writers"),
     ("output", "tonemap", "files of 8 bits need a curve"),

@@ -10,7 +10,6 @@ mod mtl;
 mod named;
 pub mod obj;
 pub mod obj_scene;
-mod observer;
 pub mod pbrt;
 pub mod ply;
 pub mod serialized;

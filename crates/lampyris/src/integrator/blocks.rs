@@ -36,9 +36,9 @@ pub(super) fn camera_pass<W>(
                 let mut sum = Spectrum::ZERO;
                 for _ in 0..samples {
                     let at = center + film.filter.sample(sampler.square());
-                    let ray = scene.camera().ray(at, sampler.square());
+                    let (ray, response) = scene.view(at, &mut sampler);
                     let (radiance, traced) = sample(ray, &mut sampler, &mut working);
-                    sum += radiance;
+                    sum += radiance * response;
                     rays += u64::from(traced);
                 }
                 (sum / samples as f32).to_rgb()
@@ -72,7 +72,7 @@ pub(super) fn light_pass<V: Visitor + Send>(
         for index in range {
             let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
             let Some(emission) = scene.emit(&mut sampler) else { continue };
-            let path = PathState::new(emission.ray, emission.flux);
+            let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);
             work.flux_emitted += f64::from(emission.flux.mean()) / paths as f64;

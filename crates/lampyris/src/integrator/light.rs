@@ -38,7 +38,9 @@ impl Integrator for LightTracing {
             1,
             observer,
             || (),
-            |ray, _, ()| (scene.closest(&ray).map_or_else(|| scene.background(), |point| scene.emitted(&point)), 1),
+            |ray, _, ()| {
+                (scene.closest(&ray).map_or_else(|| scene.background(ray.direction), |point| scene.emitted(&point)), 1)
+            },
         );
         let scale = 1.0 / paths as f32;
         for (pixel, light) in blocks.into_iter().flat_map(|block| block.splats) {
@@ -75,7 +77,7 @@ impl Visitor for Splat<'_> {
 
 impl Splat<'_> {
     fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2, offset: Vec2) -> Option<(u32, Spectrum)> {
-        let seen = self.scene.camera().see(point.surface.position, lens)?;
+        let seen = self.scene.seen_by_camera(point.surface.position, lens)?;
         let pixel = self.film.pixel_number(seen.pixel + self.film.filter.sample(offset))?;
         let to_camera = (seen.lens - point.surface.position).normalize();
         // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.

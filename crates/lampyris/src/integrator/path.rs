@@ -75,7 +75,7 @@ impl Visitor for Look<'_> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf()));
-        self.radiance += path.throughput * self.scene.background() * weight;
+        let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf(path.ray.direction)));
+        self.radiance += path.throughput * self.scene.background(path.ray.direction) * weight;
     }
 }

@@ -142,6 +142,6 @@ impl Visitor for Gather<'_> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        self.radiance += path.throughput * self.scene.background();
+        self.radiance += path.throughput * self.scene.background(path.ray.direction);
     }
 }

@@ -7,6 +7,7 @@ use super::super::{named, value};
 use super::Importer;
 use super::statement::{Parameter, Statement, Values};
 use crate::error::{Result, did_you_mean};
+use crate::spectrum::eye::xyz_to_rgb;
 
 /// Glasses by pbrt's names: index of refraction at 587.6 nm, from their makers' catalogues.
 const GLASSES: [(&str, f32); 10] = [
@@ -75,7 +76,7 @@ impl Importer<'_> {
                 None => fault("has no value"),
             },
             ("xyz", Values::Numbers(numbers)) => match numbers[..] {
-                [x, y, z] => Ok(Some(super::super::spectrum::xyz_to_rgb([x, y, z]).map(|channel| channel.max(0.0)))),
+                [x, y, z] => Ok(Some(xyz_to_rgb([x, y, z]).map(|channel| channel.max(0.0)))),
                 _ => fault("must be three numbers"),
             },
             (_, Values::Numbers(numbers)) => match numbers[..] {
