@@ -43,6 +43,11 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();
+    for (name, group) in &description.groups {
+        shapes
+            .add_group(name, group, &mut materials, assets)
+            .map_err(|error| error.under(&format!("groups.{name}")))?;
+    }
     for (index, shape) in description.shapes.iter().enumerate() {
         shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
         observer.work(&Work { shapes: 1, share: 1.0 / description.shapes.len() as f64, ..Work::default() });
