@@ -14,18 +14,14 @@ mod bsdf;
 mod document;
 mod emitter;
 mod integrator;
-mod named;
 mod parse;
 mod query;
 mod sensor;
 mod shape;
-mod source;
-mod spectrum;
 #[cfg(test)]
 mod tests;
 mod texture;
 mod transform;
-mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -34,8 +30,8 @@ use glam::{DMat4, DVec3};
 
 use self::document::{Document, Kind, Spot};
 use self::query::Query;
-use self::source::{Disk, Folder};
-use super::Imported;
+use super::source::{Disk, Folder};
+use super::{Imported, named, source, spectrum, value};
 use crate::error::{Error, Result, Warning};
 use crate::scene::SceneDescription;
 use crate::scene::description::ShapeDescription;
