@@ -5,10 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The floor of each module, as ARCHITECTURE.md has them.
-const FLOORS: [(&str, u32); 21] = [
+const FLOORS: [(&str, u32); 22] = [
     ("math", 0),
     ("error", 0),
     ("image", 0),
+    ("observer", 0),
     ("spectrum", 1),
     ("sampler", 1),
     ("geometry", 2),

@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 pub use assets::{Assets, NoAssets};
-pub use build::{Built, build};
+pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 
 use crate::camera::{Camera, Seen};

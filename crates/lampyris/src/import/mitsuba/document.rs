@@ -111,6 +111,8 @@ pub(super) struct Part {
 pub(super) struct Object {
     pub kind: Kind,
     pub plugin: String,
+    /// Whether its file is of version 0.x, whose defaults may differ.
+    pub old: bool,
     pub id: Option<String>,
     pub spot: Spot,
     pub properties: Vec<Property>,

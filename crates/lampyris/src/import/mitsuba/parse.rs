@@ -230,6 +230,7 @@ impl Parser<'_> {
         let object = Object {
             kind,
             plugin: plugin.to_string(),
+            old: file.old,
             id: id.clone(),
             spot: element.spot,
             properties: Vec::new(),

@@ -188,7 +188,7 @@ impl<'d> Builder<'d> {
     }
 }
 
-fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
+pub(super) fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
     let error = Error::at_key(key, format!("there is no {what} named '{name}'"));
     match did_you_mean(name, names.clone().map(String::as_str)) {
         Some(near) => error.with_hint(format!("did you mean '{near}'?")),
