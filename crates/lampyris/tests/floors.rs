@@ -30,8 +30,9 @@ const FLOORS: [(&str, u32); 21] = [
 ];
 
 /// Uses on one floor, each with its reason.
-const SIDEWAYS: [(&str, &str, &str); 4] = [
+const SIDEWAYS: [(&str, &str, &str); 5] = [
     ("material", "texture", "a material looks its textures up"),
+    ("light", "texture", "the radiance of a lamp can vary over it"),
     ("import", "output", "textures are pictures, and the readers of pictures stand beside their writers"),
     ("output", "tonemap", "files of 8 bits need a curve"),
     ("compare", "tonemap", "what the eye compares has been through a curve"),

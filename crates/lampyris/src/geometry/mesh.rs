@@ -71,6 +71,30 @@ impl Mesh {
         Surface { position, normal, shading_normal, uv, error }
     }
 
+    /// The colour of the vertices of triangle `index` at these barycentric coordinates, linear RGB; none in a mesh
+    /// without colours.
+    pub fn color(&self, index: usize, barycentric: Vec2) -> Option<[f32; 3]> {
+        if self.data.colors.is_empty() {
+            return None;
+        }
+        let [a, b, c] = self.data.triangles[index].map(|corner| Vec3::from_array(self.data.colors[corner as usize]));
+        Some((a * (1.0 - barycentric.x - barycentric.y) + b * barycentric.x + c * barycentric.y).to_array())
+    }
+
+    /// How far texture coordinates go on triangle `index` for each scene unit, the mean over all directions: √ of the
+    /// triangle's area in texture coordinates over that in the scene [Akenine-Möller et al. 2021].
+    pub fn uv_per_length(&self, index: usize) -> f32 {
+        let [e1, e2] = self.triangle(index).edges;
+        let twice_in_uv = if self.data.uvs.is_empty() {
+            1.0
+        } else {
+            let [a, b, c] = self.data.triangles[index].map(|corner| Vec2::from_array(self.data.uvs[corner as usize]));
+            (b - a).perp_dot(c - a).abs()
+        };
+        let density = (twice_in_uv / e1.cross(e2).length()).sqrt();
+        if density.is_finite() { density } else { 0.0 }
+    }
+
     /// Surface area.
     pub fn area(&self) -> f32 {
         self.area

@@ -20,7 +20,7 @@ pub use mesh::{Mesh, Triangle};
 pub use mesh_data::MeshData;
 pub use plane::Plane;
 pub use quad::Quad;
-pub use ray::{Ray, Surface};
+pub use ray::{Cone, Ray, Surface};
 pub use shape::Shape;
 pub use sphere::Sphere;
 pub use surfaces::{Hit, Surfaces, SurfacesBuilder};

@@ -60,6 +60,21 @@ impl Shape {
         }
     }
 
+    /// The colour of the vertices around a point of a mesh, linear RGB; none without such colours.
+    pub(super) fn vertex_color(&self, triangle: u32, barycentric: Vec2) -> Option<[f32; 3]> {
+        if let Shape::Mesh(mesh) = self { mesh.color(triangle as usize, barycentric) } else { None }
+    }
+
+    /// How far texture coordinates go there for each scene unit, the mean over all directions; on curved shapes also
+    /// over the shape, which its texture coordinates cover once.
+    pub(super) fn uv_per_length(&self, triangle: u32) -> f32 {
+        match self {
+            Shape::Plane(_) => 1.0,
+            Shape::Mesh(mesh) => mesh.uv_per_length(triangle as usize),
+            _ => 1.0 / self.area().sqrt(),
+        }
+    }
+
     /// Surface area in scene units squared; infinite for a plane.
     pub fn area(&self) -> f32 {
         match self {

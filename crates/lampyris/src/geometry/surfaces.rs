@@ -162,6 +162,16 @@ impl Surfaces {
         placed.oriented(placed.shape.surface(ray, hit.distance, hit.triangle, hit.barycentric))
     }
 
+    /// The colour that the vertices around a hit give it, linear RGB; none without such colours.
+    pub fn vertex_color(&self, hit: &Hit) -> Option<[f32; 3]> {
+        self.shapes[hit.shape as usize].shape.vertex_color(hit.triangle, hit.barycentric)
+    }
+
+    /// How far texture coordinates go around a hit for each scene unit, the mean over all directions.
+    pub fn uv_per_length(&self, hit: &Hit) -> f32 {
+        self.shapes[hit.shape as usize].shape.uv_per_length(hit.triangle)
+    }
+
     /// A point uniform by area on a shape; none on an infinite plane.
     pub fn sample(&self, shape: u32, u: Vec2) -> Option<Surface> {
         let placed = &self.shapes[shape as usize];

@@ -2,31 +2,30 @@
 
 use std::collections::HashMap;
 use std::fs::{self, File};
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use super::{obj, ply, serialized};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
-use crate::image::Image;
 use crate::output::decode_texture;
 use crate::scene::Assets;
+use crate::texture::Picture;
 
-/// Meshes and pictures from the file system. A mesh is read once, however often it is asked for.
+/// Meshes and pictures from the file system. What is still in use somewhere is not read again.
 pub struct Files {
     folder: PathBuf,
     embedded: HashMap<String, Arc<[u8]>>,
-    meshes: Mutex<HashMap<(String, u32), Arc<MeshOnce>>>,
+    meshes: Shared<(String, u32), MeshData>,
+    pictures: Shared<(String, bool), Picture>,
 }
-
-/// A mesh or why there is none, once someone has asked for it.
-type MeshOnce = OnceLock<Result<Arc<MeshData>>>;
 
 impl Files {
     /// Names are relative to the folder of `scene_file`.
     pub fn beside(scene_file: &Path) -> Files {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Files { folder, embedded: HashMap::new(), meshes: Mutex::default() }
+        Files { folder, embedded: HashMap::new(), meshes: Shared::default(), pictures: Shared::default() }
     }
 
     /// The same with files that lie inside the scene file, which go before those beside it.
@@ -34,24 +33,50 @@ impl Files {
     pub fn with_embedded(self, embedded: HashMap<String, Arc<[u8]>>) -> Files {
         Files { embedded, ..self }
     }
+
+    fn read_picture(&self, file: &str, raw: bool) -> Result<Picture> {
+        if let Some(bytes) = self.embedded.get(file) {
+            return decode_texture(file, bytes, raw);
+        }
+        let path = self.folder.join(file);
+        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
+        decode_texture(&path.to_string_lossy(), &bytes, raw)
+    }
 }
 
 impl Assets for Files {
     fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>> {
-        // The lock is held only to find the cell, so that different meshes are read at the same time.
-        let mut meshes = self.meshes.lock().unwrap_or_else(PoisonError::into_inner);
-        let cell = Arc::clone(meshes.entry((file.to_string(), index)).or_default());
-        drop(meshes);
-        cell.get_or_init(|| read_mesh(&self.folder.join(file), index).map(Arc::new)).clone()
+        self.meshes.get((file.to_string(), index), || read_mesh(&self.folder.join(file), index))
     }
 
-    fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>> {
-        if let Some(bytes) = self.embedded.get(file) {
-            return decode_texture(file, bytes, raw).map(Arc::new);
+    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Picture>> {
+        self.pictures.get((file.to_string(), raw), || self.read_picture(file, raw))
+    }
+}
+
+/// Things that are made once as long as someone holds them, and that are not kept any longer: a mesh that was moved to
+/// its place in the world needs no original beside it.
+struct Shared<K, T>(Mutex<HashMap<K, Arc<Mutex<Weak<T>>>>>);
+
+impl<K, T> Default for Shared<K, T> {
+    fn default() -> Self {
+        Shared(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash, T> Shared<K, T> {
+    fn get(&self, key: K, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
+        // The lock on all is held only to find the cell, so that different things are made at the same time.
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let cell = Arc::clone(all.entry(key).or_default());
+        drop(all);
+        let mut held = cell.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(thing) = held.upgrade() {
+            return Ok(thing);
         }
-        let path = self.folder.join(file);
-        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
-        decode_texture(&path.to_string_lossy(), &bytes, raw).map(Arc::new)
+        let thing = Arc::new(make()?);
+        *held = Arc::downgrade(&thing);
+        Ok(thing)
     }
 }
 

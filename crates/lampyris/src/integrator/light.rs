@@ -38,7 +38,14 @@ impl Integrator for LightTracing {
             1,
             observer,
             || (),
-            |ray, _, ()| (scene.closest(&ray).map_or_else(|| scene.background(), |point| scene.emitted(&point)), 1),
+            |ray, _, ()| {
+                (
+                    scene
+                        .closest_in_cone(&ray, scene.camera().cone())
+                        .map_or_else(|| scene.background(), |point| scene.emitted(&point)),
+                    1,
+                )
+            },
         );
         let scale = 1.0 / paths as f32;
         for (pixel, light) in blocks.into_iter().flat_map(|block| block.splats) {

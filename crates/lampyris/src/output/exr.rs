@@ -32,14 +32,15 @@ pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
 
 /// Reads the first colour in the file: channels R, G and B, or Y alone, by those names first and then under any
 /// layer's name (`beauty.R`). The picture is the data window; the display window is not filled up.
-pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
+/// With it comes the opacity: channel A of the same layer, where there is one.
+pub(super) fn decode(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>)> {
     // In builds with debug assertions the crate asserts what only a damaged file breaks; without them it returns
     // errors. Either way nothing outlives the failed attempt.
     let decoded = std::panic::catch_unwind(|| decode_trusting(bytes));
     decoded.unwrap_or_else(|_| Err(Error::new("the EXR file is damaged")))
 }
 
-fn decode_trusting(bytes: &[u8]) -> Result<Image> {
+fn decode_trusting(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>)> {
     check_header(bytes)?;
     let file = read()
         .no_deep_data()
@@ -57,7 +58,7 @@ fn decode_trusting(bytes: &[u8]) -> Result<Image> {
         return Err(Error::new("the EXR file has no colour: neither channels R, G, B nor Y")
             .with_hint(format!("it has {}", names.join(" "))));
     };
-    Ok(picture(layer, channels))
+    Ok((picture(layer, channels), opacity(layer, channels)))
 }
 
 fn fail(error: ::exr::error::Error) -> Error {
@@ -117,6 +118,15 @@ fn picture(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Ima
     image
 }
 
+/// The channel A of the layer to which these channels belong.
+fn opacity(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Option<Vec<f32>> {
+    let list = &layer.channel_data.list;
+    let color = list[channels[0]].name.to_string();
+    let name = format!("{}A", &color[..color.rfind('.').map_or(0, |dot| dot + 1)]);
+    let channel = list.iter().find(|channel| channel.name.to_string() == name)?;
+    Some(channel.sample_data.values_as_f32().collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,19 +151,20 @@ mod tests {
     fn alpha_is_dropped_and_half_is_read() {
         let half = FlatSamples::F16([0.5, 2.0].map(::exr::prelude::f16::from_f32).to_vec());
         let bytes = file(&[("R", single(1.0, 2.0)), ("G", half), ("B", single(5.0, 6.0)), ("A", single(0.0, 0.0))]);
-        assert_eq!(decode(&bytes).expect("valid").pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").0.pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").1, Some(vec![0.0, 0.0]));
     }
 
     #[test]
     fn luminance_alone_is_grey() {
-        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").pixels(), [[1.0; 3], [2.0; 3]]);
+        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").0.pixels(), [[1.0; 3], [2.0; 3]]);
     }
 
     #[test]
     fn the_colour_of_a_named_layer_is_found() {
         let channels =
             [("depth.Z", 9.0), ("beauty.R", 1.0), ("beauty.G", 2.0), ("beauty.B", 3.0)].map(|(n, v)| (n, single(v, v)));
-        assert_eq!(decode(&file(&channels)).expect("valid").pixel(0, 0), [1.0, 2.0, 3.0]);
+        assert_eq!(decode(&file(&channels)).expect("valid").0.pixel(0, 0), [1.0, 2.0, 3.0]);
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! From what a file says to what is rendered: names resolved, numbers checked. Every fault becomes an
 //! [`Error`] with the key of what is wrong, from which the importer finds the line.
 
+mod ahead;
 mod camera;
 mod check;
 mod lights;
 mod materials;
 mod shapes;
+mod textures;
 
 use glam::Vec3;
 
@@ -31,10 +33,12 @@ pub struct Built {
 pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Built> {
     description.check_settings()?;
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
+    let mut read_ahead = ahead::ReadAhead::new(description, assets);
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();
     for (index, shape) in description.shapes.iter().enumerate() {
         shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
+        read_ahead.built(shape);
     }
     let (surfaces, records, area_lights) = shapes.finish();
     let world = world(&surfaces, camera.origin());

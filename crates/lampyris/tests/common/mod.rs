@@ -4,15 +4,19 @@
 
 pub mod statistics;
 
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
+use lampyris::geometry::MeshData;
 use lampyris::image::Image;
 use lampyris::import::toml::read_str;
 use lampyris::integrator::{Pass, PhotonMapping, Silent};
 use lampyris::photon::PhotonMap;
 use lampyris::render::Render;
 use lampyris::scene::description::{IntegratorDescription, SceneDescription};
-use lampyris::scene::{NoAssets, Scene, build};
+use lampyris::scene::{Assets, NoAssets, Scene, build};
+use lampyris::texture::Picture;
 
 /// A scene with the description that it was built from.
 pub struct Lit {
@@ -30,8 +34,31 @@ pub fn lit(text: &str, settings: &str) -> Lit {
     built(described(text), settings)
 }
 
+/// The same with pictures by the names that its textures give them.
+pub fn lit_with(text: &str, settings: &str, pictures: &[(&str, Picture)]) -> Lit {
+    let pictures = pictures.iter().map(|(name, picture)| (name.to_string(), Arc::new(picture.clone()))).collect();
+    built_with(described(text), settings, &Pictures(pictures))
+}
+
 /// The same from a description.
-pub fn built(mut description: SceneDescription, settings: &str) -> Lit {
+pub fn built(description: SceneDescription, settings: &str) -> Lit {
+    built_with(description, settings, &NoAssets)
+}
+
+/// Pictures in memory.
+struct Pictures(HashMap<String, Arc<Picture>>);
+
+impl Assets for Pictures {
+    fn mesh(&self, file: &str, index: u32) -> lampyris::error::Result<Arc<MeshData>> {
+        NoAssets.mesh(file, index)
+    }
+
+    fn picture(&self, file: &str, raw: bool) -> lampyris::error::Result<Arc<Picture>> {
+        self.0.get(file).map_or_else(|| NoAssets.picture(file, raw), |picture| Ok(Arc::clone(picture)))
+    }
+}
+
+fn built_with(mut description: SceneDescription, settings: &str, assets: &dyn Assets) -> Lit {
     for setting in settings.split_whitespace() {
         let (key, value) = setting.split_once('=').expect("key=value");
         if key == "integrator" {
@@ -40,7 +67,7 @@ pub fn built(mut description: SceneDescription, settings: &str) -> Lit {
             description.set(key, value).unwrap_or_else(|error| panic!("{error}"));
         }
     }
-    let scene = build(&description, &NoAssets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = build(&description, assets).unwrap_or_else(|error| panic!("{error}")).scene;
     Lit { description, scene }
 }
 
