@@ -11,13 +11,13 @@ use lampyris::image::Image;
 use lampyris::scene::description::{
     GeometryDescription, MaterialDescription, MaterialRef, Paint, ShapeDescription, Transform,
 };
-use lampyris::texture::{Curve, Picture, Texels};
+use lampyris::texture::{Curve, Raster, Texels};
 
 /// A checkerboard of 64 × 64 texels.
-fn checkerboard() -> [(&'static str, Picture); 1] {
+fn checkerboard() -> [(&'static str, Raster); 1] {
     let texel = |index: usize| if (index + index / 64) % 2 == 0 { 255 } else { 0 };
     let texels = Texels::Bytes((0..64 * 64).map(texel).collect());
-    [("checks", Picture::new(64, 64, 1, texels, Curve::Srgb).expect("texels"))]
+    [("checks", Raster::new(64, 64, 1, texels, Curve::Srgb).expect("texels"))]
 }
 
 /// A wall with 8 × 8 checkerboards, seen from so far that the picture shows so much of its width. The light has no

@@ -9,47 +9,70 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use super::{obj, ply, serialized};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
+use crate::observer::{Observer, Silent, Work};
 use crate::output::decode_texture;
 use crate::scene::Assets;
-use crate::texture::Picture;
+use crate::texture::Raster;
 
 /// Meshes and pictures from the file system. What is still in use somewhere is not read again.
-pub struct Files {
+pub struct Files<'o> {
     folder: PathBuf,
+    observer: &'o dyn Observer,
     embedded: HashMap<String, Arc<[u8]>>,
     meshes: Shared<(String, u32), MeshData>,
-    pictures: Shared<(String, bool), Picture>,
+    pictures: Shared<(String, bool), Raster>,
 }
 
-impl Files {
+impl<'o> Files<'o> {
     /// Names are relative to the folder of `scene_file`.
-    pub fn beside(scene_file: &Path) -> Files {
+    pub fn beside(scene_file: &Path) -> Files<'o> {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Files { folder, embedded: HashMap::new(), meshes: Shared::default(), pictures: Shared::default() }
+        let (meshes, pictures) = (Shared::default(), Shared::default());
+        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes, pictures }
+    }
+
+    /// The same, telling `observer` how many bytes were read, file by file.
+    #[must_use]
+    pub fn observed(self, observer: &'o dyn Observer) -> Files<'o> {
+        Files { observer, ..self }
     }
 
     /// The same with files that lie inside the scene file, which go before those beside it.
     #[must_use]
-    pub fn with_embedded(self, embedded: HashMap<String, Arc<[u8]>>) -> Files {
+    pub fn with_embedded(self, embedded: HashMap<String, Arc<[u8]>>) -> Files<'o> {
         Files { embedded, ..self }
     }
 
-    fn read_picture(&self, file: &str, raw: bool) -> Result<Picture> {
+    fn read_mesh(&self, file: &str, index: u32) -> Result<MeshData> {
+        let path = self.folder.join(file);
+        let mesh = read_mesh(&path, index);
+        self.tell(&path);
+        mesh
+    }
+
+    fn read_picture(&self, file: &str, raw: bool) -> Result<Raster> {
         if let Some(bytes) = self.embedded.get(file) {
             return decode_texture(file, bytes, raw);
         }
         let path = self.folder.join(file);
         let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
-        decode_texture(&path.to_string_lossy(), &bytes, raw)
+        let picture = decode_texture(&path.to_string_lossy(), &bytes, raw);
+        self.tell(&path);
+        picture
+    }
+
+    fn tell(&self, path: &Path) {
+        let bytes = fs::metadata(path).map_or(0, |file| file.len());
+        self.observer.work(&Work { bytes, ..Work::default() });
     }
 }
 
-impl Assets for Files {
+impl Assets for Files<'_> {
     fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>> {
-        self.meshes.get((file.to_string(), index), || read_mesh(&self.folder.join(file), index))
+        self.meshes.get((file.to_string(), index), || self.read_mesh(file, index))
     }
 
-    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Picture>> {
+    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Raster>> {
         self.pictures.get((file.to_string(), raw), || self.read_picture(file, raw))
     }
 }

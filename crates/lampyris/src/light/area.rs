@@ -75,7 +75,7 @@ impl Emit for Area {
         let direction = Frame::around(surface.normal * side).to_world(warp::cosine_hemisphere(u));
         let radiance = self.radiance.at(&Lookup::point(surface.uv));
         let flux = radiance * self.per_radiance(surfaces.area(self.shape));
-        (!flux.is_zero()).then(|| Emission { ray: surface.spawn(direction), flux })
+        (!flux.is_zero()).then(|| Emission { ray: surface.spawn(direction), flux, hidden: false })
     }
 
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
@@ -119,12 +119,12 @@ mod tests {
 
     use super::*;
     use crate::geometry::Quad;
-    use crate::texture::{Bitmap, Channel, Curve, Picture, Pyramid, Texels, TextureFilter, Wrap};
+    use crate::texture::{Bitmap, Channel, Curve, Pyramid, Raster, Texels, TextureFilter, Wrap};
 
     #[test]
     fn the_power_of_a_picture_is_its_mean_times_pi_times_area_on_each_side() {
         // Three texels of 0, 1 and 5, as wide as the lamp together.
-        let picture = Picture::new(3, 1, 1, Texels::Floats(vec![0.0, 1.0, 5.0]), Curve::Linear).expect("texels");
+        let picture = Raster::new(3, 1, 1, Texels::Floats(vec![0.0, 1.0, 5.0]), Curve::Linear).expect("texels");
         let bitmap = Bitmap {
             pyramid: Arc::new(Pyramid::new(Arc::new(picture), false, f32::MAX)),
             channel: Channel::Color,

@@ -11,7 +11,7 @@ use super::{Decoded, Values};
 use crate::error::{Error, Result};
 use crate::image::{Image, displayable};
 use crate::spectrum::linear_to_srgb;
-use crate::texture::{Curve, Picture, Texels};
+use crate::texture::{Curve, Raster, Texels};
 
 /// Values are cut off at 0 and 1; what is not a number becomes 0.
 pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
@@ -49,7 +49,7 @@ pub(super) fn limits() -> Limits {
 }
 
 /// The picture of a decoder from the `image` crate, its numbers as they are.
-pub(super) fn picture(decoder: impl ImageDecoder) -> ImageResult<Picture> {
+pub(super) fn picture(decoder: impl ImageDecoder) -> ImageResult<Raster> {
     let decoded = DynamicImage::from_decoder(decoder)?;
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     let (channels, texels) = match decoded {
@@ -65,7 +65,7 @@ pub(super) fn picture(decoder: impl ImageDecoder) -> ImageResult<Picture> {
         other => (4, Texels::Floats(other.into_rgba32f().into_raw())),
     };
     // The crate's buffers have the size that they say, but not always pixels.
-    Picture::new(width, height, channels, texels, Curve::Linear).ok_or_else(|| {
+    Raster::new(width, height, channels, texels, Curve::Linear).ok_or_else(|| {
         let kind = ParameterErrorKind::DimensionMismatch;
         ImageError::Parameter(ParameterError::from_kind(kind))
     })

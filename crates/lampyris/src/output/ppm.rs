@@ -8,7 +8,7 @@ use super::limits::check_size;
 use super::{Decoded, Values};
 use crate::error::{Error, Place, Result};
 use crate::image::Image;
-use crate::texture::{Curve, Picture, Texels};
+use crate::texture::{Curve, Raster, Texels};
 
 /// The most that a sample may be, and what we scale the largest value to.
 const MOST: u32 = 65535;
@@ -51,7 +51,7 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Decoded> {
         }
     };
     let values = if text.max.is_some() { Values::Linear } else { Values::Unstated };
-    match Picture::new(width, height, 3, texels, Curve::Linear) {
+    match Raster::new(width, height, 3, texels, Curve::Linear) {
         Some(picture) => Ok(Decoded { picture, values }),
         None => Err(Error::new("the picture has no pixels")),
     }

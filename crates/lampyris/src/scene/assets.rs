@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
-use crate::texture::Picture;
+use crate::texture::Raster;
 
 /// Meshes and pictures by the names that a description gives them. The library itself opens no file:
 /// [`import::Files`](crate::import::Files) does for programs that have a file system.
@@ -17,7 +17,7 @@ pub trait Assets: Sync {
 
     /// The picture in `file`. Files with 8 or 16 bits a channel hold 0..1, decoded from sRGB unless `raw`; others hold
     /// linear values of any size.
-    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Picture>>;
+    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Raster>>;
 }
 
 /// For scenes that need nothing from outside.
@@ -28,7 +28,7 @@ impl Assets for NoAssets {
         Err(Error::new(format!("cannot read '{file}': this scene has no files")))
     }
 
-    fn picture(&self, file: &str, _: bool) -> Result<Arc<Picture>> {
+    fn picture(&self, file: &str, _: bool) -> Result<Arc<Raster>> {
         Err(Error::new(format!("cannot read '{file}': this scene has no files")))
     }
 }

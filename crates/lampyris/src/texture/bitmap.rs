@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine2, Vec2};
 
-use super::{Channel, Lookup, Picture, Pyramid, TextureFilter, Wrap};
+use super::{Channel, Lookup, Pyramid, Raster, TextureFilter, Wrap};
 use crate::spectrum::Spectrum;
 
 /// A picture over the unit square of texture coordinates, (0, 0) at its bottom left corner.
@@ -72,7 +72,7 @@ impl Bitmap {
         row(y) * (1.0 - t.y) + row(y.saturating_add(1)) * t.y
     }
 
-    fn texel(&self, picture: &Picture, x: i64, y: i64) -> Spectrum {
+    fn texel(&self, picture: &Raster, x: i64, y: i64) -> Spectrum {
         let [along_u, along_v] = self.wrap;
         let (x, y) = match (wrapped(along_u, x, picture.width()), wrapped(along_v, y, picture.height())) {
             (Wrapped::Inside(x), Wrapped::Inside(y)) => (x, y),
@@ -89,7 +89,7 @@ impl Bitmap {
     }
 }
 
-fn in_texels(picture: &Picture, uv: Vec2) -> Vec2 {
+fn in_texels(picture: &Raster, uv: Vec2) -> Vec2 {
     Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(picture.width() as f32, picture.height() as f32)
 }
 
@@ -120,7 +120,7 @@ mod tests {
     /// A grey picture of this width.
     fn bitmap(width: usize, texels: Vec<u8>, wrap: Wrap, filter: TextureFilter) -> Bitmap {
         let height = texels.len() / width;
-        let picture = Picture::new(width, height, 1, Texels::Bytes(texels), Curve::Linear).expect("texels");
+        let picture = Raster::new(width, height, 1, Texels::Bytes(texels), Curve::Linear).expect("texels");
         let pyramid = Arc::new(Pyramid::new(Arc::new(picture), filter == TextureFilter::Mip, 1.0));
         Bitmap { pyramid, channel: Channel::Color, filter, wrap: [wrap; 2], to_uv: Affine2::IDENTITY }
     }
@@ -160,7 +160,7 @@ mod tests {
         let texels = Texels::Bytes(vec![51, 102, 153, 204]);
         let picture = |channels: usize| {
             let Texels::Bytes(bytes) = &texels else { unreachable!() };
-            Picture::new(1, 1, channels, Texels::Bytes(bytes[..channels].to_vec()), Curve::Linear).expect("a texel")
+            Raster::new(1, 1, channels, Texels::Bytes(bytes[..channels].to_vec()), Curve::Linear).expect("a texel")
         };
         let of = |channels, channel| {
             let pyramid = Arc::new(Pyramid::new(Arc::new(picture(channels)), false, 1.0));
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn values_are_cut_where_a_share_of_light_ends_and_nothing_else_is() {
         let texels = vec![-1.0, f32::NAN, 3.0, f32::INFINITY];
-        let picture = Arc::new(Picture::new(4, 1, 1, Texels::Floats(texels), Curve::Linear).expect("texels"));
+        let picture = Arc::new(Raster::new(4, 1, 1, Texels::Floats(texels), Curve::Linear).expect("texels"));
         let of = |most| {
             let pyramid = Arc::new(Pyramid::new(Arc::clone(&picture), false, most));
             let bitmap = Bitmap { pyramid, ..two_by_one(Wrap::Repeat, TextureFilter::Nearest) };

@@ -2,8 +2,8 @@
 
 mod bitmap;
 mod checkerboard;
-mod picture;
 mod pyramid;
+mod raster;
 
 use std::ops::BitOr;
 
@@ -13,8 +13,8 @@ use serde::Deserialize;
 
 pub use bitmap::Bitmap;
 pub use checkerboard::Checkerboard;
-pub use picture::{Curve, Picture, Texels};
 pub use pyramid::Pyramid;
+pub use raster::{Curve, Raster, Texels};
 
 use crate::spectrum::Spectrum;
 
@@ -122,6 +122,19 @@ impl Texture {
                 let rest = weight.map(|weight| 1.0 - weight);
                 first.at(lookup) * rest + second.at(lookup) * weight
             }
+        }
+    }
+}
+
+impl Texture {
+    /// Width over height of the picture, if it is one.
+    pub fn aspect(&self) -> Option<f32> {
+        match self {
+            Texture::Bitmap(bitmap) => {
+                let picture = bitmap.pyramid.picture(0);
+                Some(picture.width() as f32 / picture.height() as f32)
+            }
+            _ => None,
         }
     }
 }

@@ -5,21 +5,21 @@ use std::sync::Arc;
 use half::f16;
 use rayon::prelude::*;
 
-use super::{Curve, Picture, Texels};
+use super::{Curve, Raster, Texels};
 
 /// A picture, and if it is to be looked at from afar, pictures of half its size, a quarter, and so on to a single texel
 /// [Williams 1983]. Each texel of these is the mean, in linear light, over the rectangle that it covers, whatever the
 /// size of the picture, so that all of them have the same mean.
 #[derive(Debug)]
 pub struct Pyramid {
-    levels: Vec<Arc<Picture>>,
+    levels: Vec<Arc<Raster>>,
     /// The largest value of a texel.
     most: f32,
 }
 
 impl Pyramid {
     /// With smaller copies if `mip`; values are cut to 0..`most`.
-    pub fn new(picture: Arc<Picture>, mip: bool, most: f32) -> Pyramid {
+    pub fn new(picture: Arc<Raster>, mip: bool, most: f32) -> Pyramid {
         let mut pyramid = Pyramid { levels: vec![picture], most };
         while mip && let Some(smaller) = pyramid.half_of_last() {
             pyramid.levels.push(Arc::new(smaller));
@@ -32,7 +32,7 @@ impl Pyramid {
     /// # Panics
     /// If there is no such level.
     #[inline]
-    pub fn picture(&self, level: usize) -> &Picture {
+    pub fn picture(&self, level: usize) -> &Raster {
         &self.levels[level]
     }
 
@@ -60,7 +60,7 @@ impl Pyramid {
     }
 
     /// None after a single texel.
-    fn half_of_last(&self) -> Option<Picture> {
+    fn half_of_last(&self) -> Option<Raster> {
         let from = self.levels.last()?;
         if from.width() == 1 && from.height() == 1 {
             return None;
@@ -88,7 +88,7 @@ impl Pyramid {
             true => Texels::Halves(values.into_iter().map(f16::from_f32).collect()),
             false => Texels::Floats(values),
         };
-        Picture::new(columns.len(), rows.len(), channels, texels, Curve::Linear)
+        Raster::new(columns.len(), rows.len(), channels, texels, Curve::Linear)
     }
 }
 
@@ -129,18 +129,18 @@ mod tests {
 
     #[test]
     fn light_is_averaged_and_not_code_values() {
-        let picture = Picture::new(2, 1, 1, Texels::Bytes(vec![0, 255]), Curve::Srgb).expect("texels");
+        let picture = Raster::new(2, 1, 1, Texels::Bytes(vec![0, 255]), Curve::Srgb).expect("texels");
         let pyramid = Pyramid::new(Arc::new(picture), true, 1.0);
         assert_eq!((pyramid.levels(), pyramid.picture(1).color(0, 0)), (2, [0.5; 3]));
     }
 
     #[test]
     fn a_picture_that_is_not_looked_at_from_afar_has_no_copies() {
-        let picture = Picture::new(2, 2, 1, Texels::Bytes(vec![0; 4]), Curve::Srgb).expect("texels");
+        let picture = Raster::new(2, 2, 1, Texels::Bytes(vec![0; 4]), Curve::Srgb).expect("texels");
         assert_eq!(Pyramid::new(Arc::new(picture), false, 1.0).levels(), 1);
     }
 
-    fn mean(picture: &Picture) -> f64 {
+    fn mean(picture: &Raster) -> f64 {
         let sum: f64 = picture.to_image().pixels().iter().flatten().map(|&value| f64::from(value)).sum();
         sum / (3 * picture.width() * picture.height()) as f64
     }
@@ -153,7 +153,7 @@ mod tests {
             }),
         ) {
             let height = values.len() / 3 / width;
-            let picture = Picture::new(width, height, 3, Texels::Floats(values), Curve::Linear).expect("texels");
+            let picture = Raster::new(width, height, 3, Texels::Floats(values), Curve::Linear).expect("texels");
             let pyramid = Pyramid::new(Arc::new(picture), true, f32::MAX);
             let last = pyramid.picture(pyramid.levels() - 1);
             prop_assert_eq!((last.width(), last.height()), (1, 1));

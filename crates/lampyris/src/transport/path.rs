@@ -30,13 +30,23 @@ pub struct PathState {
     pub bounce: u32,
     /// Which events these were.
     pub history: Lobes,
+    /// Whether it began at a lamp that no shadow ray finds.
+    pub hidden_lamp: bool,
 }
 
 impl PathState {
-    /// A path that begins with this ray.
+    /// A path that begins with this ray, as one of many in all directions.
     pub fn new(ray: Ray, throughput: Spectrum) -> PathState {
-        let (cone, history) = (Cone::WIDE, Lobes::NONE);
-        PathState { ray, throughput, optical_length: 0.0, ior: 1.0, cone, bounce: 0, history }
+        PathState {
+            ray,
+            throughput,
+            optical_length: 0.0,
+            ior: 1.0,
+            cone: Cone::WIDE,
+            bounce: 0,
+            history: Lobes::NONE,
+            hidden_lamp: false,
+        }
     }
 
     /// Whether a path of this history has met mirrors and glass, and nothing else.

@@ -1,7 +1,6 @@
 //! The one random walk. Both ends of light call it; what differs is the visitor (theory §4.1).
 
 use super::{Origin, PathState, survive};
-use crate::geometry::Cone;
 use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
@@ -60,10 +59,6 @@ pub fn walk<V: Visitor>(
     visitor: &mut V,
 ) -> Walked {
     let reference = path.throughput.max();
-    path.cone = match origin {
-        Origin::Camera => scene.camera().cone(),
-        Origin::Light => Cone::WIDE,
-    };
     let mut rays = 0;
     loop {
         rays += 1;

@@ -4,7 +4,7 @@ use crate::shared_tests::shared;
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 /// A folder with these files, and the assets of a scene in it.
-fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Files) {
+fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Files<'static>) {
     let folder = tempfile::tempdir().expect("there is room");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("there is room");

@@ -15,7 +15,6 @@ mod document;
 mod emitter;
 mod integrator;
 mod named;
-mod observer;
 mod parse;
 mod query;
 mod sensor;

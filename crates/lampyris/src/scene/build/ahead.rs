@@ -7,14 +7,16 @@ use rayon::prelude::*;
 
 use crate::geometry::MeshData;
 use crate::scene::Assets;
-use crate::scene::description::{GeometryDescription, SceneDescription, ShapeDescription, TextureDescription};
-use crate::texture::Picture;
+use crate::scene::description::{
+    GeometryDescription, LightDescription, SceneDescription, ShapeDescription, TextureDescription,
+};
+use crate::texture::Raster;
 
 /// What has been read. As long as it is held here, [`Assets`] has it at hand.
 pub(super) struct ReadAhead<'d> {
     /// Each with the number of shapes that are still to come and use it.
     meshes: BTreeMap<MeshKey<'d>, (Arc<MeshData>, usize)>,
-    _pictures: Vec<Arc<Picture>>,
+    _pictures: Vec<Arc<Raster>>,
 }
 
 /// A file, and the number of a mesh in it.
@@ -26,8 +28,10 @@ impl<'d> ReadAhead<'d> {
         let mut uses: BTreeMap<MeshKey, usize> = BTreeMap::new();
         let shapes = description.shapes.iter().chain(description.groups.values().flatten());
         shapes.filter_map(mesh).for_each(|key| *uses.entry(key).or_default() += 1);
-        let pictures: BTreeSet<(&str, bool)> = description.textures.values().filter_map(picture).collect();
-        // In one list, so that a large picture does not wait for the meshes.
+        let of_lights = description.lights.iter().filter_map(sky);
+        let pictures: BTreeSet<(&str, bool)> =
+            description.textures.values().filter_map(picture).chain(of_lights).collect();
+        // Both at once, so that a large picture does not wait for the meshes.
         let (meshes, pictures) = rayon::join(
             || {
                 let read = |((file, index), uses)| Some(((file, index), (assets.mesh(file, index).ok()?, uses)));
@@ -54,6 +58,13 @@ impl<'d> ReadAhead<'d> {
 fn mesh(shape: &ShapeDescription) -> Option<MeshKey<'_>> {
     match &shape.geometry {
         GeometryDescription::Mesh { file, index, .. } => Some((file, *index)),
+        _ => None,
+    }
+}
+
+fn sky(light: &LightDescription) -> Option<(&str, bool)> {
+    match light {
+        LightDescription::Environment { file, .. } => Some((file, false)),
         _ => None,
     }
 }

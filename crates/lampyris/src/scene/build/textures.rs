@@ -68,14 +68,15 @@ impl<'d> Builder<'d> {
                 Quantity::Light => check::light(key, *color)?,
             })),
             Paint::Texture(name) => {
-                let texture = self.by_name(name, key, quantity)?;
+                let texture = self.named(name, key, quantity)?;
                 self.ask(texture.asks());
                 Ok(texture)
             }
         }
     }
 
-    fn by_name(&mut self, name: &'d str, key: &str, quantity: Quantity) -> Result<Texture> {
+    /// The texture of this name, which `key` asks for.
+    pub(super) fn named(&mut self, name: &'d str, key: &str, quantity: Quantity) -> Result<Texture> {
         let Some(texture) = self.description.textures.get(name) else {
             return Err(unknown("texture", name, self.description.textures.keys(), key));
         };

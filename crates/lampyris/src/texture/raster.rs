@@ -10,7 +10,7 @@ use crate::spectrum::srgb_to_linear;
 /// A picture of one to four channels: grey, grey and opacity, colour, or colour and opacity. The opacity is straight:
 /// colours are not multiplied by it. Texels lie row by row, the top row first, their channels side by side.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct Raster {
     width: usize,
     height: usize,
     channels: usize,
@@ -40,38 +40,38 @@ pub enum Curve {
     Srgb,
 }
 
-impl Picture {
+impl Raster {
     /// A picture of these texels. Floats under the sRGB curve become linear here.
     ///
     /// None unless there are one to four channels, and `width × height × channels` numbers, at least one.
-    pub fn new(width: usize, height: usize, channels: usize, texels: Texels, curve: Curve) -> Option<Picture> {
+    pub fn new(width: usize, height: usize, channels: usize, texels: Texels, curve: Curve) -> Option<Raster> {
         let count = width.checked_mul(height)?.checked_mul(channels)?;
         if !(1..=4).contains(&channels) || count == 0 || count != texels.len() {
             return None;
         }
-        Some(Picture { width, height, channels, texels, curve: Curve::Linear }.with_curve(curve))
+        Some(Raster { width, height, channels, texels, curve: Curve::Linear }.with_curve(curve))
     }
 
     /// Linear floats of three channels; none of a picture without pixels.
-    pub fn of_image(image: Image) -> Option<Picture> {
+    pub fn of_image(image: Image) -> Option<Raster> {
         let (width, height) = (image.width(), image.height());
-        Picture::new(width, height, 3, Texels::Floats(image.into_pixels().into_flattened()), Curve::Linear)
+        Raster::new(width, height, 3, Texels::Floats(image.into_pixels().into_flattened()), Curve::Linear)
     }
 
     /// The same colours with the opacities of as many texels beside them; as before where their number is another.
     #[must_use]
-    pub fn with_opacity(self, opacity: &[f32]) -> Picture {
+    pub fn with_opacity(self, opacity: &[f32]) -> Raster {
         if opacity.len() != self.width * self.height {
             return self;
         }
         let pixels = (0..opacity.len()).map(|index| self.color_of(index));
         let texels = pixels.zip(opacity).flat_map(|([r, g, b], &a)| [r, g, b, a]).collect();
-        Picture { channels: 4, texels: Texels::Floats(texels), curve: Curve::Linear, ..self }
+        Raster { channels: 4, texels: Texels::Floats(texels), curve: Curve::Linear, ..self }
     }
 
     /// The same numbers, which mean this.
     #[must_use]
-    pub fn with_curve(mut self, curve: Curve) -> Picture {
+    pub fn with_curve(mut self, curve: Curve) -> Raster {
         if curve == Curve::Linear || !self.is_float() {
             self.curve = curve;
             return self;
@@ -88,7 +88,7 @@ impl Picture {
     /// The same picture in less memory, where nothing is lost by it: grey in one channel, no opacity where all is
     /// opaque, floats as halves where these hold the same values.
     #[must_use]
-    pub fn compact(mut self) -> Picture {
+    pub fn compact(mut self) -> Raster {
         if let Texels::Floats(values) = &self.texels
             && values.iter().all(|&value| f16::from_f32(value).to_f32().to_bits() == value.to_bits())
         {
@@ -270,21 +270,21 @@ mod tests {
 
     #[test]
     fn numbers_are_decoded_by_their_curve_and_opacity_never() {
-        let picture = |curve| Picture::new(1, 1, 4, Texels::Bytes(vec![0, 128, 255, 128]), curve).expect("one texel");
+        let picture = |curve| Raster::new(1, 1, 4, Texels::Bytes(vec![0, 128, 255, 128]), curve).expect("one texel");
         let half = 128.0 / 255.0;
         assert_eq!(picture(Curve::Linear).color(0, 0), [0.0, half, 1.0]);
         assert_eq!(picture(Curve::Srgb).color(0, 0), [0.0, srgb_to_linear(half), 1.0]);
         assert_eq!(picture(Curve::Srgb).opacity(0, 0), half);
-        let words = Picture::new(1, 1, 2, Texels::Words(vec![0x8000, 0x8000]), Curve::Srgb).expect("one texel");
+        let words = Raster::new(1, 1, 2, Texels::Words(vec![0x8000, 0x8000]), Curve::Srgb).expect("one texel");
         let half = 32768.0 / 65535.0;
         assert_eq!((words.color(0, 0), words.opacity(0, 0)), ([srgb_to_linear(half); 3], half));
-        let floats = Picture::new(1, 1, 2, Texels::Floats(vec![0.5, 0.5]), Curve::Srgb).expect("one texel");
+        let floats = Raster::new(1, 1, 2, Texels::Floats(vec![0.5, 0.5]), Curve::Srgb).expect("one texel");
         assert_eq!((floats.color(0, 0), floats.opacity(0, 0)), ([srgb_to_linear(0.5); 3], 0.5));
     }
 
     #[test]
     fn what_is_not_needed_takes_no_memory_and_no_value_changes() {
-        let of = |channels, texels| Picture::new(2, 1, channels, texels, Curve::Linear).expect("two texels");
+        let of = |channels, texels| Raster::new(2, 1, channels, texels, Curve::Linear).expect("two texels");
         for (picture, bytes) in [
             (of(3, Texels::Bytes(vec![7, 7, 7, 9, 9, 9])), 2),
             (of(3, Texels::Bytes(vec![7, 7, 7, 9, 9, 8])), 6),
@@ -306,10 +306,10 @@ mod tests {
     #[test]
     fn sizes_that_do_not_fit_make_no_picture() {
         let of = |width, height, channels| {
-            Picture::new(width, height, channels, Texels::Bytes(vec![0; 6]), Curve::Linear).is_some()
+            Raster::new(width, height, channels, Texels::Bytes(vec![0; 6]), Curve::Linear).is_some()
         };
         assert!(of(2, 1, 3) && of(3, 2, 1));
         assert!(!of(2, 2, 3) && !of(6, 1, 0) && !of(usize::MAX, 2, 3) && !of(1, 1, 6));
-        assert!(Picture::new(0, 4, 3, Texels::Bytes(vec![]), Curve::Linear).is_none());
+        assert!(Raster::new(0, 4, 3, Texels::Bytes(vec![]), Curve::Linear).is_none());
     }
 }
