@@ -6,7 +6,7 @@ use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use super::{obj, ply, serialized};
+use super::{gzip, obj, ply, serialized, stl};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
 use crate::observer::{Observer, Silent, Work};
@@ -103,24 +103,35 @@ impl<K: Eq + Hash, T> Shared<K, T> {
     }
 }
 
-/// Reads a mesh in the format that the extension of `path` names.
-fn read_mesh(path: &Path, index: u32) -> Result<MeshData> {
+/// Reads a mesh in the format that the extension of `path` names, unpacked where another `.gz` follows it.
+pub(super) fn read_mesh(path: &Path, index: u32) -> Result<MeshData> {
     let name = path.to_string_lossy();
     let failed = |error: std::io::Error| Error::io(path, "read", &error);
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if index > 0 && matches!(extension.as_str(), "obj" | "ply") {
+    let extension = mesh_extension(path);
+    if index > 0 && matches!(extension.as_str(), "obj" | "ply" | "stl") {
         return Err(Error::new(format!("cannot read mesh {index} of '{name}': it has only one"))
             .with_hint("only .serialized files hold several meshes"));
     }
-    match extension.as_str() {
-        "obj" => obj::read(&name, &fs::read(path).map_err(failed)?),
-        "ply" => ply::read(&name, &fs::read(path).map_err(failed)?),
-        "serialized" => {
-            let file = File::open(path).map_err(failed)?;
-            serialized::read(&name, file, index)
+    let read: fn(&str, &[u8]) -> Result<MeshData> = match extension.as_str() {
+        "obj" => obj::read,
+        "ply" => ply::read,
+        "stl" => stl::read,
+        "serialized" => return serialized::read(&name, File::open(path).map_err(failed)?, index),
+        _ => {
+            return Err(Error::new(format!("cannot read '{name}': not a known mesh format"))
+                .with_hint("known are .obj, .ply, .stl and .serialized"));
         }
-        _ => Err(Error::new(format!("cannot read '{name}': not a known mesh format"))
-            .with_hint("known are .obj, .ply and .serialized")),
+    };
+    let bytes = fs::read(path).map_err(failed)?;
+    read(&name, &gzip::unpacked(&name, &bytes)?)
+}
+
+/// The last part of a name in small letters, or the one before `.gz`.
+pub(super) fn mesh_extension(path: &Path) -> String {
+    let extension = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension(path) {
+        packed if packed == "gz" => extension(Path::new(path.file_stem().unwrap_or_default())),
+        plain => plain,
     }
 }
 
