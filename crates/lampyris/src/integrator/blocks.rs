@@ -39,7 +39,7 @@ pub(super) fn camera_pass<W, S: Sink>(
                 for _ in 0..samples {
                     let at = center + film.filter.sample(sampler.square());
                     let (ray, response) = scene.view(at, &mut sampler);
-                    let path = PathState::new(ray, Spectrum::grey(response));
+                    let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
                     rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 }
                 pixels.push((sink.radiance() / samples as f32).to_rgb());
