@@ -43,7 +43,7 @@ pub enum Command {
 /// A scene file and how to read it.
 #[derive(Args, Debug)]
 pub struct SceneArguments {
-    /// The scene file: .toml, or .xml of Mitsuba
+    /// The scene file: .toml, .xml of Mitsuba, .gltf or .glb
     pub scene: PathBuf,
 
     /// Give a parameter of a Mitsuba scene (its <default>) another value

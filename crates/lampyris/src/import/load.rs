@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::{Imported, mitsuba, toml};
+use super::{Imported, gltf, mitsuba, toml};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Endings of the scene files that [`load`] reads.
-pub const FORMATS: [&str; 2] = ["toml", "xml"];
+pub const FORMATS: [&str; 4] = ["toml", "xml", "gltf", "glb"];
 
 /// What a user may say about how a scene file is to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,13 +25,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
     }
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
-        Some("toml") => {
+        Some(ending @ ("toml" | "gltf" | "glb")) => {
             if let Some((name, _)) = options.defines.first() {
-                return Err(Error::new(format!("cannot define '{name}': a .toml scene has no parameters"))
+                return Err(Error::new(format!("cannot define '{name}': a .{ending} scene has no parameters"))
                     .with_file(path)
                     .with_hint("to change a setting, use --set"));
             }
-            toml::read(path)
+            if ending == "toml" { toml::read(path) } else { gltf::read(path) }
         }
         Some("xml") => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
         Some(other) => {
@@ -60,14 +60,17 @@ mod tests {
     #[test]
     fn an_unknown_ending_names_the_known_ones() {
         let message = message(Path::new("scene.blend"));
-        assert_eq!(message, "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml");
+        assert_eq!(
+            message,
+            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .gltf, .glb"
+        );
     }
 
     #[test]
     fn a_name_without_ending_names_the_known_ones() {
         assert_eq!(
             message(Path::new("scene")),
-            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml"
+            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .gltf, .glb"
         );
     }
 

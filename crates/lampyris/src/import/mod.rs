@@ -1,6 +1,7 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
 mod files;
+pub mod gltf;
 pub mod load;
 mod mesh;
 pub mod mitsuba;
