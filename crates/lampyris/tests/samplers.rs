@@ -17,7 +17,7 @@ use lampyris::math::Frame;
 use lampyris::sampler::Sampler;
 use lampyris::scene::{Scene, SurfacePoint};
 use lampyris::spectrum::Spectrum;
-use lampyris::texture::Texture;
+use lampyris::texture::{Lookup, Texture};
 use lampyris::transport::{End, Limits, Origin, PathState, Visitor, walk};
 use proptest::prelude::*;
 
@@ -287,7 +287,7 @@ proptest! {
 
     #[test]
     fn smooth_scattering_is_reciprocal((materials, id) in materials(), a in any_direction(), b in any_direction()) {
-        let from = |direction: Vec3| materials.bsdf(id, Vec2::ZERO, direction.z > 0.0);
+        let from = |direction: Vec3| materials.bsdf(id, &Lookup::point(Vec2::ZERO), direction.z > 0.0);
         let (there, back) = (from(a).eval(a, b).to_rgb(), from(b).eval(b, a).to_rgb());
         for (there, back) in there.into_iter().zip(back) {
             prop_assert!((there - back).abs() <= 1e-5 * there.abs() + 1e-7, "{} and {}", there, back);
@@ -299,7 +299,7 @@ proptest! {
     fn delta_scattering_is_reciprocal(model in model(), a in any_direction()) {
         let mut materials = Materials::default();
         let id = materials.add(model);
-        let from = |direction: Vec3| materials.bsdf(id, Vec2::ZERO, direction.z > 0.0);
+        let from = |direction: Vec3| materials.bsdf(id, &Lookup::point(Vec2::ZERO), direction.z > 0.0);
         for (b, share, ratio) in deltas(&from(a), a) {
             // Close to grazing, a rounding of the angle is a large change of Fresnel's share.
             if b.z.abs() < 0.02 || share.max() < 0.02 {
@@ -318,7 +318,7 @@ proptest! {
     /// What is scattered by all events together is no more than what came, in each lane.
     #[test]
     fn nothing_scatters_more_light_than_it_gets((materials, id) in materials(), a in any_direction()) {
-        let bsdf = materials.bsdf(id, Vec2::ZERO, a.z > 0.0);
+        let bsdf = materials.bsdf(id, &Lookup::point(Vec2::ZERO), a.z > 0.0);
         let mut all = deltas(&bsdf, a).iter().fold(Spectrum::ZERO, |sum, (_, share, _)| sum + *share);
         let (bands, sectors) = (64, 4);
         for (i, j) in (0..bands).flat_map(|i| (0..sectors).map(move |j| (i, j))) {

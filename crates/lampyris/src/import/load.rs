@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::{Imported, gltf, mitsuba, toml};
+use super::files::mesh_extension;
+use super::{Imported, gltf, mitsuba, obj_scene, pbrt, toml};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Endings of the scene files that [`load`] reads.
-pub const FORMATS: [&str; 4] = ["toml", "xml", "gltf", "glb"];
+pub const FORMATS: [&str; 8] = ["toml", "xml", "pbrt", "gltf", "glb", "obj", "ply", "stl"];
 
 /// What a user may say about how a scene file is to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,25 +24,29 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
     if path.is_dir() {
         return Err(Error::new(format!("'{}' is a folder, not a scene file", path.display())));
     }
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some(ending @ ("toml" | "gltf" | "glb")) => {
-            if let Some((name, _)) = options.defines.first() {
-                return Err(Error::new(format!("cannot define '{name}': a .{ending} scene has no parameters"))
-                    .with_file(path)
-                    .with_hint("to change a setting, use --set"));
-            }
-            if ending == "toml" { toml::read(path) } else { gltf::read(path) }
-        }
-        Some("xml") => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
-        Some(other) => {
+    let ending = mesh_extension(path);
+    if let ("toml" | "pbrt" | "gltf" | "glb" | "obj" | "ply" | "stl", Some((name, _))) =
+        (ending.as_str(), options.defines.first())
+    {
+        return Err(Error::new(format!("cannot define '{name}': a .{ending} scene has no parameters"))
+            .with_file(path)
+            .with_hint("to change a setting, use --set"));
+    }
+    match ending.as_str() {
+        "toml" => toml::read(path),
+        "xml" => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
+        "pbrt" => pbrt::read(path),
+        "gltf" | "glb" => gltf::read(path),
+        "obj" => obj_scene::read(path),
+        "ply" | "stl" => obj_scene::read_mesh(path),
+        "" => Err(Error::new(format!("cannot read '{}': its name has no ending", path.display())).with_hint(known())),
+        other => {
             let error = Error::new(format!("cannot read '{}': unknown scene format '.{other}'", path.display()));
             Err(match did_you_mean(other, FORMATS) {
                 Some(near) => error.with_hint(format!("did you mean '.{near}'?")),
                 None => error.with_hint(known()),
             })
         }
-        None => Err(Error::new(format!("cannot read '{}': its name has no ending", path.display())).with_hint(known())),
     }
 }
 
@@ -62,7 +67,7 @@ mod tests {
         let message = message(Path::new("scene.blend"));
         assert_eq!(
             message,
-            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .gltf, .glb"
+            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
         );
     }
 
@@ -70,7 +75,7 @@ mod tests {
     fn a_name_without_ending_names_the_known_ones() {
         assert_eq!(
             message(Path::new("scene")),
-            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .gltf, .glb"
+            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
         );
     }
 

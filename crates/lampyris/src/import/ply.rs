@@ -6,7 +6,8 @@
 
 mod header;
 
-use header::{Element, Encoding, Header, Property, Type, place};
+pub(super) use header::place;
+use header::{Element, Encoding, Header, Property, Type};
 
 use super::mesh;
 use crate::error::{Error, Result};

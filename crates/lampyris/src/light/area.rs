@@ -36,7 +36,7 @@ impl Emit for Area {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let surface = surfaces.sample(self.shape, sampler.square())?;
         let direction = Frame::around(surface.normal).to_world(warp::cosine_hemisphere(sampler.square()));
-        Some(Emission { ray: surface.spawn(direction), flux: self.power(surfaces) })
+        Some(Emission { ray: surface.spawn(direction), flux: self.power(surfaces), hidden: false })
     }
 
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {

@@ -3,7 +3,9 @@
 mod distribution;
 mod frame;
 pub mod fresnel;
+mod grid;
 pub mod warp;
 
 pub use distribution::Distribution;
 pub use frame::Frame;
+pub use grid::Grid;

@@ -2,7 +2,7 @@
 //!
 //! | extension | what it holds | written as |
 //! |---|---|---|
-//! | `.exr` | linear radiance | 32-bit floats, lossless ZIP, channels R, G, B |
+//! | `.exr` | linear radiance | 32-bit floats, lossless ZIP, channels R, G, B; layers and facts |
 //! | `.npy` | linear radiance | `<f4`, `(height, width, 3)`, the top row first |
 //! | `.pfm` | linear radiance | 32-bit floats, little-endian |
 //! | `.hdr` | linear radiance, 8 bits of mantissa a pixel | Radiance RGBE, run-length coded |
@@ -32,6 +32,7 @@ pub use atomic::{check_writable, write_whole};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
 
 use crate::error::{Error, Result, did_you_mean};
+use crate::film::Layer;
 use crate::image::Image;
 use crate::spectrum::srgb_to_linear;
 
@@ -85,6 +86,42 @@ impl Format {
     }
 }
 
+/// A picture with all that a file may hold of it. Formats other than EXR hold the image alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Linear radiance.
+    pub image: &'a Image,
+    /// Of the same size; a layer of one channel is read from the first.
+    pub layers: &'a [(Layer, Image)],
+    /// What is to be known of it, by name.
+    pub facts: &'a [(&'a str, Fact)],
+}
+
+impl<'a> From<&'a Image> for Picture<'a> {
+    fn from(image: &'a Image) -> Picture<'a> {
+        Picture { image, layers: &[], facts: &[] }
+    }
+}
+
+/// Something to be known of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fact {
+    /// Words.
+    Text(String),
+    /// A whole number.
+    Whole(i32),
+    /// A number.
+    Number(f64),
+}
+
+/// Writes a picture with its layers and facts in the format that the extension of `path` names, as [`write_image`] does.
+///
+/// # Errors
+/// As [`write_image`].
+pub fn write_picture(path: &Path, picture: &Picture<'_>) -> Result<()> {
+    write_whole(path, &encode_picture(Format::of(path)?, picture)?)
+}
+
 /// Writes a picture in the format that the extension of `path` names.
 ///
 /// The file appears whole or not at all, see [`write_whole`].
@@ -107,6 +144,11 @@ pub fn check_path(path: &Path) -> Result<()> {
 /// # Errors
 /// A picture without pixels, or of a size that the format cannot hold.
 pub fn encode(format: Format, image: &Image) -> Result<Vec<u8>> {
+    encode_picture(format, &image.into())
+}
+
+fn encode_picture(format: Format, picture: &Picture<'_>) -> Result<Vec<u8>> {
+    let image = picture.image;
     if image.pixels().is_empty() {
         return Err(Error::new(format!(
             "a picture of {} × {} pixels cannot be written",
@@ -115,7 +157,7 @@ pub fn encode(format: Format, image: &Image) -> Result<Vec<u8>> {
         )));
     }
     match format {
-        Format::Exr => exr::encode(image),
+        Format::Exr => exr::encode(picture),
         Format::Hdr => hdr::encode(image),
         Format::Npy => Ok(npy::encode(image)),
         Format::Pfm => Ok(pfm::encode(image)),
@@ -125,7 +167,27 @@ pub fn encode(format: Format, image: &Image) -> Result<Vec<u8>> {
 }
 
 /// Reads the picture in a file, as [`decode`] does.
+///
+/// # Errors
+/// As [`decode`], or what the operating system says.
 pub fn read_image(path: &Path) -> Result<Image> {
+    decode(&path.to_string_lossy(), &read_bytes(path)?)
+}
+
+/// Reads one layer of an EXR file by its name: channels `NAME.R`, `.G`, `.B` or `.X`, `.Y`, `.Z`, or a single one.
+///
+/// # Errors
+/// A file of another format, a name that it does not have, and those of [`read_image`].
+pub fn read_layer(path: &Path, name: &str) -> Result<Image> {
+    let bytes = read_bytes(path)?;
+    let layer = match bytes.as_slice() {
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode_layer(&bytes, Some(name)),
+        _ => Err(Error::new(format!("there is no layer '{name}': only EXR files have layers"))),
+    };
+    layer.map_err(|error| error.with_file(path))
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     // Pipes and devices do not say how long they are, and some never end.
     const LONGEST_STREAM: u64 = 1 << 30;
     let fail = |error| Error::io(path, "read", &error);
@@ -133,7 +195,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
     let is_file = file.metadata().map_err(fail)?.is_file();
     let mut bytes = Vec::new();
     file.take(if is_file { u64::MAX } else { LONGEST_STREAM }).read_to_end(&mut bytes).map_err(fail)?;
-    decode(&path.to_string_lossy(), &bytes)
+    Ok(bytes)
 }
 
 /// The picture in these bytes; `name` is for messages.

@@ -7,17 +7,19 @@ pub(crate) mod notation;
 pub mod schema;
 pub mod settings;
 
-use glam::Vec3;
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
 
 pub use assets::{Assets, NoAssets};
-pub use build::{Built, build};
+pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Ray, Surface, Surfaces};
-use crate::light::{Constant, Emission, Illumination, Light, LightId};
+use crate::light::{Emission, Far, Illumination, Light, LightId};
 use crate::material::{Bsdf, Lobes, MaterialId, Materials};
-use crate::math::{Distribution, Frame};
+use crate::math::{Distribution, Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 use crate::texture::Lookup;
@@ -30,6 +32,8 @@ pub struct Scene {
     materials: Materials,
     lights: Lights,
     camera: Camera,
+    /// The shape whose irradiance is measured in place of a picture.
+    meter: Option<u32>,
 }
 
 /// What a shape is besides its geometry.
@@ -47,6 +51,8 @@ pub struct ShapeRecord {
 #[derive(Debug)]
 struct Lights {
     all: Vec<Light>,
+    /// The numbers of those that rays meet when they leave the scene.
+    far: Vec<usize>,
     /// Which one a photon leaves: proportional to the power.
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
@@ -179,26 +185,43 @@ impl Scene {
         Some((light, &self.lights.all[light]))
     }
 
-    /// Radiance that arrives from infinitely far away, in every direction.
-    pub fn background(&self) -> Spectrum {
-        self.constant_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance)
+    /// Radiance that arrives from infinitely far away.
+    #[inline]
+    pub fn background(&self, toward: Vec3) -> Spectrum {
+        self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward))
     }
 
-    /// Density per solid angle with which [`Scene::illuminate`] finds a direction of the background.
-    pub fn background_pdf(&self) -> f32 {
-        self.constant_lights().map(|(index, _)| self.lights.selection.probability(index) * Constant::PDF).sum()
+    /// Density per solid angle with which [`Scene::illuminate`] finds this direction of the background.
+    pub fn background_pdf(&self, toward: Vec3) -> f32 {
+        self.far_lights().map(|(index, light)| self.lights.selection.probability(index) * light.pdf(toward)).sum()
     }
 
-    fn constant_lights(&self) -> impl Iterator<Item = (usize, &Constant)> {
-        self.lights.all.iter().enumerate().filter_map(|(index, light)| match light {
-            Light::Constant(constant) => Some((index, constant)),
-            _ => None,
-        })
+    fn far_lights(&self) -> impl Iterator<Item = (usize, &dyn Far)> {
+        self.lights.far.iter().filter_map(|&index| Some((index, self.lights.all[index].far()?)))
     }
 
     /// Flux in W of all lights together.
     pub fn power(&self) -> Spectrum {
         self.lights.all.iter().fold(Spectrum::ZERO, |sum, light| sum + light.emitter().power(&self.surfaces))
+    }
+
+    /// A ray whose radiance, times the number that comes with it, is a sample of the picture at `pixel`: through the
+    /// camera, or towards the shape whose irradiance is measured, uniform by area and weighted by the cosine.
+    pub fn view(&self, pixel: Vec2, sampler: &mut Sampler) -> (Ray, f32) {
+        let on_lens = sampler.square();
+        match self.meter.and_then(|shape| self.surfaces.sample(shape, on_lens)) {
+            Some(surface) => {
+                let direction = Frame::around(surface.normal).to_world(warp::cosine_hemisphere(sampler.square()));
+                (surface.spawn(direction), PI)
+            }
+            None => (self.camera.ray(pixel, on_lens), 1.0),
+        }
+    }
+
+    /// The camera as light sees it that leaves `at` for a point of the lens; none if it cannot be seen from there, and
+    /// never where irradiance is measured.
+    pub fn seen_by_camera(&self, at: Vec3, lens: Vec2) -> Option<Seen> {
+        if self.meter.is_some() { None } else { self.camera.see(at, lens) }
     }
 
     /// The camera.
@@ -239,6 +262,7 @@ impl Lights {
         let even = 1.0 / all.len().max(1) as f64;
         let selection: Vec<f64> =
             powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
-        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), all }
+        let far = (0..all.len()).filter(|&index| all[index].far().is_some()).collect();
+        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, all }
     }
 }

@@ -4,6 +4,8 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
 use glam::Vec4;
 
+pub mod eye;
+mod observer;
 mod srgb;
 
 pub use srgb::{linear_to_srgb, srgb_to_linear};

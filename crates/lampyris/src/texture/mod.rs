@@ -67,6 +67,16 @@ impl Texture {
     }
 }
 
+impl Texture {
+    /// Width over height of the picture, if it is one.
+    pub fn aspect(&self) -> Option<f32> {
+        match self {
+            Texture::Bitmap(bitmap) => Some(bitmap.image.width() as f32 / bitmap.image.height() as f32),
+            _ => None,
+        }
+    }
+}
+
 /// What a texture is outside the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

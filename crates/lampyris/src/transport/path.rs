@@ -28,12 +28,22 @@ pub struct PathState {
     pub bounce: u32,
     /// Which events these were.
     pub history: Lobes,
+    /// Whether it began at a lamp that no shadow ray finds.
+    pub hidden_lamp: bool,
 }
 
 impl PathState {
     /// A path that begins with this ray.
     pub fn new(ray: Ray, throughput: Spectrum) -> PathState {
-        PathState { ray, throughput, optical_length: 0.0, ior: 1.0, bounce: 0, history: Lobes::NONE }
+        PathState {
+            ray,
+            throughput,
+            optical_length: 0.0,
+            ior: 1.0,
+            bounce: 0,
+            history: Lobes::NONE,
+            hidden_lamp: false,
+        }
     }
 
     /// Whether a path of this history has met mirrors and glass, and nothing else.

@@ -6,15 +6,9 @@ use super::Importer;
 use super::nodes::Placed;
 use super::source::missing;
 use crate::error::{Result, Warning};
+use crate::import::framing::{self, Up};
 use crate::scene::description::{CameraDescription, FovAxis, Projection};
 
-/// Field of view of a camera of our own, in degrees, across the shorter side.
-const FOV: f64 = 45.0;
-/// From where it looks at the middle of the scene: from the front, which is +z in glTF, a little from the right and from
-/// above.
-const FROM: DVec3 = DVec3::new(0.35, 0.35, 1.0);
-/// Free room around what it sees.
-const MARGIN: f64 = 1.05;
 /// Sides of pictures, as width over height, that are believed.
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
@@ -73,28 +67,8 @@ impl Importer<'_> {
 
     /// A camera that sees all shapes, for a scene without one.
     pub(super) fn frame(&mut self) {
-        let Some((min, max)) = self.extent.ends() else { return };
-        let center = 0.5 * (min + max);
-        let back = FROM.normalize();
-        let right = DVec3::Y.cross(back).normalize();
-        let up = back.cross(right);
-        let half = (0.5 * FOV).to_radians().tan();
-        // As far back as the corner that reaches furthest out of the picture needs.
-        let needed = self.extent.corners().map(|corner| {
-            let offset = corner - center;
-            offset.dot(back) + MARGIN * offset.dot(right).abs().max(offset.dot(up).abs()) / half
-        });
-        let needed = needed.fold(0.0, f64::max);
-        let distance = if needed > 0.0 { needed } else { 1.0 };
-        self.imported.description.camera = Some(CameraDescription {
-            origin: (center + distance * back).as_vec3().to_array(),
-            target: Some(center.as_vec3().to_array()),
-            up: Some([0.0, 1.0, 0.0]),
-            fov: Some(FOV as f32),
-            fov_axis: FovAxis::Smaller,
-            ..CameraDescription::default()
-        });
-        let warning = Warning::new("the file has no camera: one that sees the whole scene from the front is used")
+        self.imported.description.camera = Some(framing::frame(&self.bounds, Up::Y));
+        let warning = Warning::new("the file has no camera: one in front of the scene that sees all of it is used")
             .with_hint("place one with --set camera.origin=... and --set camera.target=...");
         self.imported.warnings.push(warning.with_file(&self.path));
     }

@@ -10,6 +10,7 @@ use super::extensions::PunctualLight;
 use super::nodes::Placed;
 use super::source::missing;
 use crate::error::{Result, Warning};
+use crate::import::framing::default_light;
 use crate::scene::description::{Color, LightDescription};
 
 impl Importer<'_> {
@@ -45,7 +46,7 @@ impl Importer<'_> {
         if self.glows || !self.imported.description.lights.is_empty() {
             return;
         }
-        self.imported.description.lights.push(LightDescription::Constant { radiance: Color::grey(1.0) });
+        self.imported.description.lights.push(default_light());
         let message = "the file has no light: a white sky of radiance 1 is used";
         self.imported.warnings.push(Warning::new(message).with_file(&self.path));
     }

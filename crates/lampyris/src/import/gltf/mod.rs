@@ -28,13 +28,12 @@ use std::sync::Arc;
 
 use self::document::Document;
 use self::mesh::GeometryKey;
-use self::placing::Extent;
 use self::source::Buffers;
 use self::spots::Spots;
 use self::surface::Surface;
 use super::Imported;
 use crate::error::{Error, Place, Result, Warning};
-use crate::geometry::MeshData;
+use crate::geometry::{Bounds, MeshData};
 
 /// Reads a glTF file, text or binary. Pictures beside it stay relative to its folder; those in it are
 /// [`Imported::embedded`].
@@ -66,7 +65,7 @@ fn read_bytes(path: &Path, bytes: &[u8]) -> Result<Imported> {
         surfaces: HashMap::new(),
         bind_matrices: HashMap::new(),
         warned: HashSet::new(),
-        extent: Extent::default(),
+        bounds: Bounds::EMPTY,
         glows: false,
         spent: 0,
     };
@@ -107,7 +106,7 @@ struct Importer<'a> {
     /// Warnings given already.
     warned: HashSet<String>,
     /// The box around all shapes.
-    extent: Extent,
+    bounds: Bounds,
     /// Whether a surface emits that is taken for a light of the scene.
     glows: bool,
     /// Indices and instances read so far.

@@ -1,16 +1,17 @@
 //! Meshes in the world: as shapes of their own, or as instances of a group where that would be too many.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::collections::hash_map::Entry;
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, Vec3};
 
 use super::Importer;
 use super::mesh::GeometryKey;
 use super::nodes::Placed;
 use super::source::missing;
 use crate::error::Result;
-use crate::geometry::MeshData;
+use crate::geometry::Bounds;
+use crate::import::framing;
 use crate::scene::description::{GeometryDescription, MaterialRef, ShapeDescription, Transform};
 
 /// Triangles that may stand in memory a second time for being used again, each part of a mesh counted as a hundred.
@@ -19,39 +20,11 @@ const COPIED: usize = 50_000;
 /// The same for meshes that emit light, which instances cannot.
 const COPIED_LIGHTS: usize = 4_000_000;
 
-/// A box, or nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extent(Option<(DVec3, DVec3)>);
-
-impl Extent {
-    fn add(&mut self, point: DVec3) {
-        if point.is_finite() {
-            let (min, max) = self.0.unwrap_or((point, point));
-            self.0 = Some((min.min(point), max.max(point)));
-        }
-    }
-
-    /// The lower and the upper corner.
-    pub(super) fn ends(&self) -> Option<(DVec3, DVec3)> {
-        self.0
-    }
-
-    /// All corners.
-    pub(super) fn corners(&self) -> impl Iterator<Item = DVec3> + use<> {
-        self.0.into_iter().flat_map(|(min, max)| {
-            (0..8).map(move |number| {
-                let side = |bit: u32| f64::from(number >> bit & 1);
-                min + (max - min) * DVec3::new(side(0), side(1), side(2))
-            })
-        })
-    }
-}
-
-/// A mesh of the file in its own coordinates, mirrored or not.
+/// A mesh of the file in its own coordinates.
 struct Model {
     shapes: Vec<ShapeDescription>,
     triangles: usize,
-    extent: Extent,
+    bounds: Bounds,
 }
 
 impl Model {
@@ -63,15 +36,16 @@ impl Model {
     fn weight(&self) -> usize {
         self.triangles + 100 * self.shapes.len()
     }
-}
 
-/// A mesh of the file, and whether it is mirrored.
-type ModelKey = (usize, bool);
+    fn is_group(&self) -> bool {
+        matches!(&self.shapes[..], [ShapeDescription { geometry: GeometryDescription::Instance { .. }, .. }])
+    }
+}
 
 impl Importer<'_> {
     /// All meshes of the nodes.
     pub(super) fn shapes(&mut self, placed: &[Placed]) -> Result<()> {
-        let mut uses: Vec<(ModelKey, usize, DMat4)> = Vec::new();
+        let mut uses: Vec<(usize, usize, DMat4)> = Vec::new();
         for (at, Placed { node, .. }) in placed.iter().enumerate() {
             let Some(mesh) = self.node(*node)?.mesh else { continue };
             let to_world = self.mesh_to_world(placed, at)?;
@@ -79,20 +53,25 @@ impl Importer<'_> {
             for copy in copies {
                 let to_world = to_world * copy;
                 self.check_transform(*node, to_world)?;
-                uses.push(((mesh, to_world.determinant() < 0.0), *node, to_world));
+                uses.push((mesh, *node, to_world));
             }
         }
-        let mut counts: HashMap<ModelKey, usize> = HashMap::new();
-        for (key, ..) in &uses {
-            *counts.entry(*key).or_default() += 1;
+        let mut counts: HashMap<usize, usize> = HashMap::new();
+        for (mesh, ..) in &uses {
+            *counts.entry(*mesh).or_default() += 1;
         }
-        let mut models: HashMap<ModelKey, Model> = HashMap::new();
-        for (key, node, to_world) in uses {
-            if !models.contains_key(&key) {
-                let model = self.model(key, node, counts[&key])?;
-                models.insert(key, model);
+        let mut models: HashMap<(usize, bool), Model> = HashMap::new();
+        for (mesh, node, to_world) in uses {
+            if let Entry::Vacant(place) = models.entry((mesh, false)) {
+                place.insert(self.model(mesh, node, counts[&mesh])?);
             }
-            self.place(&models[&key], node, to_world);
+            // A mirror turns the order of corners round, by which triangles have a front. Instances see to that
+            // themselves.
+            let mirrored = to_world.determinant() < 0.0 && !models[&(mesh, false)].is_group();
+            if let Entry::Vacant(place) = models.entry((mesh, mirrored)) {
+                place.insert(self.parts(mesh, node, mirrored)?);
+            }
+            self.place(&models[&(mesh, mirrored)], node, to_world);
         }
         Ok(())
     }
@@ -107,35 +86,33 @@ impl Importer<'_> {
     }
 
     /// Reads a mesh that is used `count` times; its shapes are those of one use.
-    fn model(&mut self, key: ModelKey, node: usize, count: usize) -> Result<Model> {
-        let mut model = self.parts(key, node)?;
+    fn model(&mut self, mesh: usize, node: usize, count: usize) -> Result<Model> {
+        let mut model = self.parts(mesh, node, false)?;
         let copied = (count - 1).saturating_mul(model.weight());
-        let is_group = match model.emits() {
-            true => copied > COPIED_LIGHTS,
-            false => copied > COPIED,
-        };
-        if is_group && !model.shapes.is_empty() {
-            if model.emits() {
-                let message = format!("{count} copies of a mesh that emits light are too many: they do not emit");
-                self.warn(&format!("meshes[{}]", key.0), message);
-                model.shapes.iter_mut().for_each(|shape| shape.emission = None);
-            }
-            let group = format!("mesh{}{}", key.0, if key.1 { "-mirrored" } else { "" });
-            self.note(format!("groups.{group}"), &format!("meshes[{}]", key.0));
-            let instance = shape(GeometryDescription::Instance { group: group.clone() });
-            let shapes = std::mem::replace(&mut model.shapes, vec![instance]);
-            self.imported.description.groups.insert(group, shapes);
+        let most = if model.emits() { COPIED_LIGHTS } else { COPIED };
+        if copied <= most || model.shapes.is_empty() {
+            return Ok(model);
         }
+        let path = format!("meshes[{mesh}]");
+        if model.emits() {
+            self.warn(&path, format!("{count} copies of a mesh that emits light are too many: they do not emit"));
+            model.shapes.iter_mut().for_each(|shape| shape.emission = None);
+        }
+        let group = format!("mesh{mesh}");
+        self.note(format!("groups.{group}"), &path);
+        let instance = shape(GeometryDescription::Instance { group: group.clone() });
+        let shapes = std::mem::replace(&mut model.shapes, vec![instance]);
+        self.imported.description.groups.insert(group, shapes);
         Ok(model)
     }
 
-    fn parts(&mut self, (index, mirrored): ModelKey, node: usize) -> Result<Model> {
+    fn parts(&mut self, index: usize, node: usize, mirrored: bool) -> Result<Model> {
         let path = format!("meshes[{index}]");
         let meshes = &self.document.meshes;
         let mesh = meshes.get(index).ok_or_else(|| missing(&self.spots, &path, meshes.len()))?;
         let pose = &self.node(node)?.weights;
         let weights = if pose.is_empty() { &mesh.weights } else { pose };
-        let mut model = Model { shapes: Vec::new(), triangles: 0, extent: Extent::default() };
+        let mut model = Model { shapes: Vec::new(), triangles: 0, bounds: Bounds::EMPTY };
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("{path}.primitives[{number}]");
             let has_colors = primitive.attributes.color_0.is_some();
@@ -143,7 +120,7 @@ impl Importer<'_> {
             let key = GeometryKey::new(primitive, surface.uv_set, weights, mirrored);
             let Some(data) = self.geometry(key, &path)? else { continue };
             model.triangles += data.triangles.len();
-            add(&mut model.extent, &data);
+            model.bounds = model.bounds.union(framing::bounds([&*data]));
             let name = mesh.name.clone().filter(|name| !name.is_empty());
             model.shapes.push(ShapeDescription {
                 material: Some(MaterialRef::Named(surface.material)),
@@ -168,15 +145,13 @@ impl Importer<'_> {
             let shape = ShapeDescription { transform: Transform(to_world.as_mat4()), name, ..shape.clone() };
             self.imported.description.shapes.push(shape);
         }
-        for corner in model.extent.corners() {
-            self.extent.add(to_world.transform_point3(corner));
-        }
-    }
-}
-
-fn add(extent: &mut Extent, data: &Arc<MeshData>) {
-    for position in &data.positions {
-        extent.add(DVec3::from(position.map(f64::from)));
+        let Bounds { min, max } = model.bounds;
+        let corners = (0..8).map(|number| {
+            let side = |bit: u32| f32::from(u8::from(number >> bit & 1 == 1));
+            (min + (max - min) * Vec3::new(side(0), side(1), side(2))).as_dvec3()
+        });
+        let moved = corners.map(|corner| to_world.transform_point3(corner).as_vec3());
+        self.bounds = self.bounds.union(Bounds::around(moved));
     }
 }
 

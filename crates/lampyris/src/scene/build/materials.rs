@@ -145,12 +145,15 @@ impl<'d> Builder<'d> {
     fn paint(&self, key: &str, paint: &Paint) -> Result<Texture> {
         match paint {
             Paint::Color(color) => Ok(Texture::Constant(check::share(key, *color)?)),
-            Paint::Texture(name) => match self.description.textures.get(name) {
-                Some(texture) => {
-                    self.texture(texture).map_err(|error| error.under(&format!("textures.{name}")).at_root())
-                }
-                None => Err(unknown("texture", name, self.description.textures.keys(), key)),
-            },
+            Paint::Texture(name) => self.texture_named(name, key),
+        }
+    }
+
+    /// The texture of this name, which `key` asks for.
+    pub(super) fn texture_named(&self, name: &str, key: &str) -> Result<Texture> {
+        match self.description.textures.get(name) {
+            Some(texture) => self.texture(texture).map_err(|error| error.under(&format!("textures.{name}")).at_root()),
+            None => Err(unknown("texture", name, self.description.textures.keys(), key)),
         }
     }
 
@@ -185,7 +188,7 @@ impl<'d> Builder<'d> {
     }
 }
 
-fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
+pub(super) fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
     let error = Error::at_key(key, format!("there is no {what} named '{name}'"));
     match did_you_mean(name, names.clone().map(String::as_str)) {
         Some(near) => error.with_hint(format!("did you mean '{near}'?")),

@@ -1,12 +1,13 @@
 //! Shapes: geometry moved to the world, with material and light.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Mat3, Mat4, Vec3};
 
 use super::{check, materials};
 use crate::error::{Error, Result};
-use crate::geometry::{Cylinder, Disk, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
+use crate::geometry::{Cylinder, Disk, GroupId, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
 use crate::light::{Area, LightId};
 use crate::scene::description::{EmissionDescription, GeometryDescription, Paint, ShapeDescription};
 use crate::scene::{Assets, ShapeRecord};
@@ -14,20 +15,78 @@ use crate::spectrum::Spectrum;
 
 /// Collects shapes.
 #[derive(Default)]
-pub(super) struct Builder {
+pub(super) struct Builder<'d> {
     surfaces: SurfacesBuilder,
+    groups: BTreeMap<&'d String, GroupId>,
     records: Vec<ShapeRecord>,
     lights: Vec<Area>,
 }
 
-impl Builder {
-    pub(super) fn add<'d>(
+impl<'d> Builder<'d> {
+    /// Adds a group, before the shapes that name it.
+    pub(super) fn add_group(
+        &mut self,
+        name: &'d String,
+        shapes: &'d [ShapeDescription],
+        materials: &mut materials::Builder<'d>,
+        assets: &dyn Assets,
+    ) -> Result<()> {
+        let mut geometries = Vec::with_capacity(shapes.len());
+        for (index, shape) in shapes.iter().enumerate() {
+            let geometry =
+                self.grouped(shape, materials, assets).map_err(|error| error.under(&format!("[{index}]")))?;
+            geometries.push((geometry, shape.flip_normal));
+        }
+        self.groups.insert(name, self.surfaces.add_group(geometries));
+        Ok(())
+    }
+
+    /// The geometry of a shape in a group, whose record is added.
+    fn grouped(
+        &mut self,
+        shape: &'d ShapeDescription,
+        materials: &mut materials::Builder<'d>,
+        assets: &dyn Assets,
+    ) -> Result<Shape> {
+        if shape.emission.is_some() {
+            return Err(
+                Error::at_key("emission", "a shape in a group cannot emit light").with_hint("take it out of the group")
+            );
+        }
+        check::transform("transform", &shape.transform)?;
+        let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
+        let material = materials.of_shape(shape.material.as_ref(), false)?;
+        self.records.push(ShapeRecord { material, light: None, name: shape.name.clone() });
+        Ok(geometry)
+    }
+
+    fn add_instance(&mut self, shape: &ShapeDescription, group: &String) -> Result<()> {
+        let own = [
+            ("material", shape.material.is_some()),
+            ("emission", shape.emission.is_some()),
+            ("flip_normal", shape.flip_normal),
+        ];
+        if let Some((key, _)) = own.into_iter().find(|(_, given)| *given) {
+            return Err(Error::at_key(key, "an instance shows its group's shapes as they are")
+                .with_hint("give this to the shapes of the group"));
+        }
+        let Some(&group) = self.groups.get(group) else {
+            return Err(materials::unknown("group", group, self.groups.keys().copied(), "group"));
+        };
+        self.surfaces.add_instance(group, &shape.transform.0);
+        Ok(())
+    }
+
+    pub(super) fn add(
         &mut self,
         shape: &'d ShapeDescription,
         materials: &mut materials::Builder<'d>,
         assets: &dyn Assets,
     ) -> Result<()> {
         check::transform("transform", &shape.transform)?;
+        if let GeometryDescription::Instance { group } = &shape.geometry {
+            return self.add_instance(shape, group);
+        }
         let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
         let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some())?;
         let radiance = match &shape.emission {
@@ -95,7 +154,7 @@ fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets
             let data = adapted(data, *face_normals, *smooth, *flip_v);
             mesh(&data, to_world, file).map_err(|error| error.under("file"))
         }
-        GeometryDescription::Instance { .. } => Err(Error::new("instances cannot be rendered yet")),
+        GeometryDescription::Instance { .. } => Err(Error::new("a group cannot hold instances")),
         GeometryDescription::Triangles(data) => mesh(data, to_world, "the mesh"),
     }
 }

@@ -142,3 +142,14 @@ fn many_copies_become_instances_of_a_group() {
     assert_eq!(shape.geometry, GeometryDescription::Instance { group: "mesh0".into() });
     assert_eq!(shape.transform.0.w_axis.truncate().to_array(), [7.0, 2.0, 0.0]);
 }
+
+#[test]
+fn a_mirror_does_not_turn_instances_round_as_they_see_to_it_themselves() {
+    let mut changes = vec![("/scenes/0/nodes", json!((0..1000).collect::<Vec<_>>()))];
+    changes.extend((1..1000).map(|_| ("/nodes/-", json!({ "mesh": 0, "scale": [-1, 1, 1] }))));
+    let imported = good(&changes);
+    let GeometryDescription::Triangles(data) = &imported.description.groups["mesh0"][0].geometry else {
+        panic!("triangles")
+    };
+    assert_eq!((imported.description.groups.len(), &data.triangles[..]), (1, &[[0, 1, 2]][..]));
+}
