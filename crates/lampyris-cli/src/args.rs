@@ -49,7 +49,7 @@ pub enum Command {
 /// A scene file and how to read it.
 #[derive(Args, Debug)]
 pub struct SceneArguments {
-    /// The scene file: .toml, .xml of Mitsuba, .pbrt, .obj, .ply or .stl
+    /// The scene file: .toml, .xml of Mitsuba, .pbrt, .gltf, .glb, .obj, .ply or .stl
     pub scene: PathBuf,
 
     /// Give a parameter of a Mitsuba scene (its <default>) another value

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::files::mesh_extension;
-use super::{Imported, mitsuba, obj_scene, pbrt, toml};
+use super::{Imported, gltf, mitsuba, obj_scene, pbrt, toml};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Endings of the scene files that [`load`] reads.
-pub const FORMATS: [&str; 6] = ["toml", "xml", "pbrt", "obj", "ply", "stl"];
+pub const FORMATS: [&str; 8] = ["toml", "xml", "pbrt", "gltf", "glb", "obj", "ply", "stl"];
 
 /// What a user may say about how a scene file is to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
         return Err(Error::new(format!("'{}' is a folder, not a scene file", path.display())));
     }
     let ending = mesh_extension(path);
-    if let ("toml" | "pbrt" | "obj" | "ply" | "stl", Some((name, _))) = (ending.as_str(), options.defines.first()) {
+    if let ("toml" | "pbrt" | "gltf" | "glb" | "obj" | "ply" | "stl", Some((name, _))) =
+        (ending.as_str(), options.defines.first())
+    {
         return Err(Error::new(format!("cannot define '{name}': a .{ending} scene has no parameters"))
             .with_file(path)
             .with_hint("to change a setting, use --set"));
@@ -34,6 +36,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
         "toml" => toml::read(path),
         "xml" => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
         "pbrt" => pbrt::read(path),
+        "gltf" | "glb" => gltf::read(path),
         "obj" => obj_scene::read(path),
         "ply" | "stl" => obj_scene::read_mesh(path),
         "" => Err(Error::new(format!("cannot read '{}': its name has no ending", path.display())).with_hint(known())),
@@ -64,7 +67,7 @@ mod tests {
         let message = message(Path::new("scene.blend"));
         assert_eq!(
             message,
-            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .pbrt, .obj, .ply, .stl"
+            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
         );
     }
 
@@ -72,7 +75,7 @@ mod tests {
     fn a_name_without_ending_names_the_known_ones() {
         assert_eq!(
             message(Path::new("scene")),
-            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .pbrt, .obj, .ply, .stl"
+            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
         );
     }
 

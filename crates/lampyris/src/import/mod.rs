@@ -2,6 +2,7 @@
 
 mod files;
 mod framing;
+pub mod gltf;
 mod gzip;
 pub mod load;
 mod mesh;
