@@ -1,6 +1,6 @@
 //! Any one of the geometries.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::{Bounds, Cylinder, Disk, Mesh, Plane, Quad, Ray, Sphere, Surface};
 
@@ -48,6 +48,18 @@ impl Shape {
         }
     }
 
+    /// How the position changes with either texture coordinate, at `uv`, on a mesh on that triangle.
+    pub(super) fn partials(&self, uv: Vec2, triangle: u32) -> (Vec3, Vec3) {
+        match self {
+            Shape::Plane(plane) => plane.partials(),
+            Shape::Sphere(sphere) => sphere.partials(uv),
+            Shape::Quad(quad) => quad.partials(),
+            Shape::Disk(disk) => disk.partials(uv),
+            Shape::Cylinder(cylinder) => cylinder.partials(uv),
+            Shape::Mesh(mesh) => mesh.partials(triangle as usize),
+        }
+    }
+
     /// A point uniform by area; none on an infinite plane.
     pub fn sample(&self, u: Vec2) -> Option<Surface> {
         match self {
@@ -58,6 +70,11 @@ impl Shape {
             Shape::Cylinder(cylinder) => Some(cylinder.sample(u)),
             Shape::Mesh(mesh) => Some(mesh.sample(u)),
         }
+    }
+
+    /// The colour of the vertices around a point of a mesh, linear RGB; none without such colours.
+    pub(super) fn vertex_color(&self, triangle: u32, barycentric: Vec2) -> Option<[f32; 3]> {
+        if let Shape::Mesh(mesh) = self { mesh.color(triangle as usize, barycentric) } else { None }
     }
 
     /// Surface area in scene units squared; infinite for a plane.
@@ -80,9 +97,7 @@ impl Shape {
             Shape::Quad(quad) => Some(quad.bounds()),
             Shape::Disk(disk) => Some(disk.bounds()),
             Shape::Cylinder(cylinder) => Some(cylinder.bounds()),
-            Shape::Mesh(mesh) => {
-                Some((0..mesh.len()).fold(Bounds::EMPTY, |bounds, index| bounds.union(mesh.triangle(index).bounds())))
-            }
+            Shape::Mesh(mesh) => Some(mesh.bounds()),
         }
     }
 }
