@@ -5,10 +5,12 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sequence {
     seed: u32,
+    /// With its bits reversed.
     index: u32,
     set: u32,
     /// The next dimension of the set to be read.
     dimension: u32,
+    /// With their bits reversed.
     point: [u32; DIMENSIONS],
 }
 
@@ -21,46 +23,54 @@ const SETS: u32 = 14;
 impl Sequence {
     /// Point number `index` of the sequence that `seed` chooses.
     pub(super) fn new(seed: u32, index: u32) -> Sequence {
-        let mut sequence = Sequence { seed, index, set: 0, dimension: 0, point: [0; DIMENSIONS] };
-        sequence.start(0);
-        sequence
+        Sequence { seed, index: index.reverse_bits(), set: 0, dimension: UNREAD, point: [0; DIMENSIONS] }
     }
 
     /// Goes to the beginning of a set.
+    #[inline]
     pub(super) fn start(&mut self, set: u32) {
-        (self.set, self.dimension) = (set, 0);
-        if set < SETS {
-            let seed = hash(self.seed ^ hash(set));
-            let shuffled = scramble(self.index, seed);
-            let point = sobol(shuffled);
-            for (dimension, (value, sobol)) in self.point.iter_mut().zip(point).enumerate() {
-                *value = scramble(sobol, hash(seed.wrapping_add(dimension as u32 + 1)));
-            }
-        }
+        (self.set, self.dimension) = (set, UNREAD);
     }
 
     /// The next number of 32 bits; none where only independent ones are left. `together` of them belong together and
     /// come from one set.
+    #[inline]
     pub(super) fn next(&mut self, together: u32) -> Option<u32> {
         if self.dimension + together > DIMENSIONS as u32 {
-            self.start(self.set + 1);
+            self.turn();
         }
-        let value = (self.set < SETS).then(|| self.point[self.dimension as usize]);
+        let value = (self.set < SETS).then(|| self.point[self.dimension as usize].reverse_bits());
         self.dimension += 1;
         value
     }
+
+    /// Reads the point of a set that was begun, or else of the next.
+    fn turn(&mut self) {
+        if self.dimension != UNREAD {
+            self.set += 1;
+        }
+        self.dimension = 0;
+        if self.set < SETS {
+            let seed = hash(self.seed ^ hash(self.set));
+            let point = sobol(scramble(self.index, seed));
+            for (dimension, (value, sobol)) in (1..).zip(self.point.iter_mut().zip(point)) {
+                *value = scramble(sobol, hash(seed.wrapping_add(dimension)));
+            }
+        }
+    }
 }
 
+/// The dimension of a set of which nothing was read yet: beyond the last one.
+const UNREAD: u32 = 2 * DIMENSIONS as u32;
+
 /// Owen's scrambling of the binary digits of a number in 0..1, as a hash of the digits before each
-/// [Laine & Karras 2011, with the constants of Vegdahl 2021].
-fn scramble(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
+/// [Laine & Karras 2011, with the constants of Vegdahl 2021]. The first digit is the lowest bit.
+fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 /// A bijection of 32 bits in which every bit matters to every bit [Wellons 2018].
@@ -72,7 +82,8 @@ pub(super) fn hash(mut x: u32) -> u32 {
     x ^ (x >> 15)
 }
 
-/// Point `index` of the Sobol' sequence, as fractions of 2³².
+/// The point of the Sobol' sequence of this index, both with their bits reversed: the highest bit of the index is the
+/// lowest one here, and so is the first binary digit of a coordinate.
 fn sobol(index: u32) -> [u32; DIMENSIONS] {
     let mut point = [0; DIMENSIONS];
     for (table, byte) in BYTES.iter().zip(index.to_le_bytes()) {
@@ -83,7 +94,7 @@ fn sobol(index: u32) -> [u32; DIMENSIONS] {
     point
 }
 
-/// What each value of each byte of an index adds to the point.
+/// What each value of each byte of such an index adds to the point.
 static BYTES: [[[u32; DIMENSIONS]; 256]; 4] = byte_tables();
 
 /// Degree, coefficients and first numbers of the primitive polynomials of the dimensions after the first
@@ -100,7 +111,7 @@ const fn byte_tables() -> [[[u32; DIMENSIONS]; 256]; 4] {
         while bit < 8 * DIMENSIONS {
             let (bit_number, dimension) = (bit / DIMENSIONS, bit % DIMENSIONS);
             if value >> bit_number & 1 == 1 {
-                tables[byte][value][dimension] ^= directions[dimension][8 * byte + bit_number];
+                tables[byte][value][dimension] ^= directions[dimension][31 - (8 * byte + bit_number)].reverse_bits();
             }
             bit += 1;
         }
@@ -157,7 +168,7 @@ mod tests {
             [0.6875, 0.8125, 0.4375],
         ];
         for (number, expected) in (0_u32..).zip(published) {
-            let point = sobol(number ^ (number >> 1));
+            let point = sobol((number ^ (number >> 1)).reverse_bits()).map(u32::reverse_bits);
             assert_eq!([0, 1, 2].map(|i| f64::from(point[i]) / 4_294_967_296.0), expected, "point {number}");
         }
     }
