@@ -181,6 +181,7 @@ impl Scene {
     #[inline]
     pub fn emit(&self, sampler: &mut Sampler) -> Option<Emission> {
         let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
+        sampler.step(1);
         let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
         Some(Emission { flux: emission.flux / probability, ..emission })
     }

@@ -49,6 +49,10 @@ pub struct Walked {
     pub rays: u32,
 }
 
+/// The sampler's steps before it belong to the beginning of a path; each vertex has two: one for what is done there, one
+/// for where the path goes on.
+const FIRST_STEP: u32 = 2;
+
 /// Follows `path` until it ends, telling `visitor` of every vertex.
 pub fn walk<V: Visitor>(
     scene: &Scene,
@@ -67,6 +71,8 @@ pub fn walk<V: Visitor>(
             return Walked { end: End::Escaped, path, rays };
         };
         path.optical_length += f64::from(path.ior * point.distance);
+        let step = FIRST_STEP + 2 * path.bounce;
+        sampler.step(step);
         path.cone = path.cone.after(point.distance);
         let follow = visitor.vertex(&point, &path, sampler);
         if follow.is_none() {
@@ -75,6 +81,7 @@ pub fn walk<V: Visitor>(
         if path.bounce >= limits.max_bounces {
             return Walked { end: End::Cut, path, rays };
         }
+        sampler.step(step + 1);
         let to_previous = point.frame.to_local(point.to_previous);
         let Some(mut scattered) = point.bsdf.sample(to_previous, follow, sampler) else {
             return Walked { end: End::Absorbed, path, rays };
