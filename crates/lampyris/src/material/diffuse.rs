@@ -39,8 +39,8 @@ impl Scatter for Diffuse {
     }
 
     #[inline]
-    fn sample(&self, _: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
-        Some((sample(to_previous, u), 1.0))
+    fn sample(&self, _: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
+        Some((sample(to_previous, u.truncate()), 1.0))
     }
 }
 

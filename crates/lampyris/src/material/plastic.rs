@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Event, Scatter, Shares, diffuse};
 use crate::math::fresnel;
@@ -67,9 +67,9 @@ impl Scatter for Plastic {
         diffuse::pdf(to_previous, to_next)
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
         let to_next =
-            if event == Event::Specular { fresnel::reflect(to_previous) } else { diffuse::sample(to_previous, u) };
+            if event == Event::Specular { fresnel::reflect(to_previous) } else { diffuse::sample(to_previous, u.truncate()) };
         Some((to_next, 1.0))
     }
 }

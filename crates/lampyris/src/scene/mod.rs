@@ -55,13 +55,13 @@ struct Lights {
 
 /// A point that a path has reached.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint {
+pub struct SurfacePoint<'s> {
     /// The geometry there.
     pub surface: Surface,
     /// Around the shading normal.
     pub frame: Frame,
     /// The scattering there.
-    pub bsdf: Bsdf,
+    pub bsdf: Bsdf<'s>,
     /// Back along the path, world coordinates, unit length.
     pub to_previous: Vec3,
     /// Along the segment that led here, scene units.
@@ -70,11 +70,19 @@ pub struct SurfacePoint {
     pub shape: u32,
 }
 
-impl SurfacePoint {
-    /// The value of the smooth lobes in 1/sr for light between the previous point and `to_next` (world).
+impl SurfacePoint<'_> {
+    /// The value of the smooth lobes in 1/sr for flux that comes from the previous point and leaves in the direction
+    /// `to_next` (world).
     #[inline]
     pub fn eval(&self, to_next: Vec3) -> Spectrum {
         self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next))
+    }
+
+    /// The value of the smooth lobes in 1/sr for radiance that comes from the direction `to_light` (world) and leaves
+    /// towards the previous point.
+    #[inline]
+    pub fn eval_radiance(&self, to_light: Vec3) -> Spectrum {
+        self.bsdf.eval(self.frame.to_local(to_light), self.frame.to_local(self.to_previous))
     }
 
     /// Whether a direction (world) lies on the side of the shading normal on which the previous point does.
@@ -109,7 +117,7 @@ impl SurfacePoint {
 impl Scene {
     /// The first surface along the ray.
     #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint> {
+    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint<'_>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;

@@ -4,6 +4,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
 use glam::Vec4;
 
+pub mod metals;
 mod srgb;
 
 pub use srgb::{linear_to_srgb, srgb_to_linear};

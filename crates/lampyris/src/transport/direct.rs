@@ -19,7 +19,7 @@ pub fn direct_light(
     let Some(illumination) = scene.illuminate(point.surface.position, sampler) else {
         return Spectrum::ZERO;
     };
-    let value = point.eval(illumination.to_light);
+    let value = point.eval_radiance(illumination.to_light);
     if value.is_zero() || scene.shadowed(&point.surface, &illumination) {
         return Spectrum::ZERO;
     }

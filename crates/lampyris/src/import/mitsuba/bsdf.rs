@@ -10,6 +10,7 @@ use super::query::Query;
 use super::spectrum::Role;
 use crate::error::{Result, did_you_mean};
 use crate::scene::description::{Color, MaterialDescription, MaterialRef, Paint};
+use crate::spectrum::metals;
 
 /// A material before it is decided what its back is like.
 struct Scattering {
@@ -161,12 +162,12 @@ impl Importer<'_> {
     }
 
     fn metal(&mut self, query: Query, name: &str) -> ([f32; 3], [f32; 3]) {
-        if let Some(found) = named::conductor(name) {
+        if let Some(found) = metals::named(name) {
             return found;
         }
-        let near = did_you_mean(name, named::CONDUCTORS.iter().map(|(known, ..)| *known)).unwrap_or("Al");
+        let near = did_you_mean(name, metals::METALS.iter().map(|(known, ..)| *known)).unwrap_or("Al");
         self.warn(query.spot("material"), format!("the conductor '{name}' is not known: '{near}' is used"));
-        named::conductor(near).unwrap_or_default()
+        metals::named(near).unwrap_or_default()
     }
 
     fn two_sided(&mut self, query: Query, depth: usize) -> Result<Scattering> {
