@@ -5,7 +5,7 @@
     python scripts/measure_bsdfs.py > crates/lampyris/tests/data/mitsuba_bsdfs.txt
 
 A line has the name of the material, the direction to the previous point, that to the next one, and the value for radiance
-and for flux, times the cosine of the next one. Tangents are x and y, the normal is z.
+and for flux, times the cosine of the next one. The normal is z; the surface is 2 units wide along x and y, on which u and v go from 0 to 1, and met at (0.4, 0.45).
 """
 
 import mitsuba as mi
@@ -58,6 +58,27 @@ MATERIALS = {
     "thin-leaf": {"type": "principledthin", "base_color": RGB, "roughness": 0.7, "diff_trans": 1.2},
 }
 
+STRETCHED = {"type": "roughconductor", "distribution": "ggx", "alpha_u": 0.2, "alpha_v": 0.5, **METAL}
+NORMAL = np.array([[[0.75, 0.4, 0.85]]], dtype=np.float32)
+HEIGHTS = np.array([[0.1, 0.5, 0.2], [0.7, 0.3, 0.9], [0.4, 0.8, 0.6]], dtype=np.float32)[..., None]
+
+
+def picture(pixels):
+    return {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True}
+
+
+MATERIALS |= {
+    "normal-map": {"type": "normalmap", "normalmap": picture(NORMAL), "bsdf": {"type": "diffuse", "reflectance": RGB}},
+    "normal-map-metal": {"type": "normalmap", "normalmap": picture(NORMAL), "bsdf": STRETCHED},
+    "bump-map": {
+        "type": "bumpmap", "arbitrary": picture(HEIGHTS), "scale": 0.4, "bsdf": {"type": "diffuse", "reflectance": RGB}
+    },
+    "bump-map-metal": {"type": "bumpmap", "arbitrary": picture(HEIGHTS), "scale": -0.7, "bsdf": STRETCHED},
+    "two-sided-normal-map": {
+        "type": "twosided", "bsdf": {"type": "normalmap", "normalmap": picture(NORMAL), "bsdf": STRETCHED}
+    },
+}
+
 
 def directions():
     """Pairs on all sides, near the mirrored direction and far from it."""
@@ -81,8 +102,8 @@ def interaction(previous):
     si.wi = mi.Vector3f(*map(float, previous))
     si.n = mi.Normal3f(0, 0, 1)
     si.sh_frame = mi.Frame3f(si.n)
-    si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
-    si.uv, si.t = mi.Point2f(0.3, 0.4), 1
+    si.dp_du, si.dp_dv = mi.Vector3f(2, 0, 0), mi.Vector3f(0, 2, 0)
+    si.uv, si.t = mi.Point2f(0.4, 0.45), 1
     return si
 
 

@@ -15,7 +15,11 @@ use lampyris::texture::Lookup;
 const MATERIALS: [(&str, &str, f64); 17] = [
     ("conductor-ggx", "{ type = 'conductor', METAL, roughness = { alpha = 0.2 } }", 1e-4),
     ("conductor-ggx-stretched", "{ type = 'conductor', METAL, roughness = { alpha = 0.1, alpha-v = 0.5 } }", 1e-4),
-    ("conductor-beckmann", "{ type = 'conductor', METAL, roughness = { distribution = 'beckmann', alpha = 0.3 } }", 1e-4),
+    (
+        "conductor-beckmann",
+        "{ type = 'conductor', METAL, roughness = { distribution = 'beckmann', alpha = 0.3 } }",
+        1e-4,
+    ),
     (
         "conductor-beckmann-stretched",
         "{ type = 'conductor', METAL, roughness = { distribution = 'beckmann', alpha = 0.4, alpha-v = 0.15 } }",
@@ -28,16 +32,16 @@ const MATERIALS: [(&str, &str, f64); 17] = [
         "{ type = 'glass', ior = 1.8, exterior-ior = 1.1, roughness = { distribution = 'beckmann', alpha = 0.25 } }",
         1e-4,
     ),
-    ("plastic-ggx", "{ type = 'plastic', reflectance = RGB, roughness = { alpha = 0.3 } }", 2e-3),
+    ("plastic-ggx", "{ type = 'plastic', reflectance = RGB, roughness = { alpha = 0.3 } }", 3e-3),
     (
         "plastic-nonlinear",
         "{ type = 'plastic', reflectance = RGB, specular = 0.6, nonlinear = true, roughness = { alpha = 0.1 } }",
-        2e-3,
+        3e-3,
     ),
     (
         "plastic-beckmann",
         "{ type = 'plastic', reflectance = RGB, roughness = { distribution = 'beckmann', alpha = 0.2 } }",
-        2e-3,
+        3e-3,
     ),
     ("principled", "{ type = 'principled', base-color = RGB }", 1e-4),
     (
@@ -94,6 +98,9 @@ fn values_are_those_of_mitsuba() {
         for line in measured.lines().filter(|line| line.split(' ').next() == Some(name)) {
             let numbers: Vec<f32> = line.split(' ').skip(1).map(|number| number.parse().expect("a number")).collect();
             let [previous, other, radiance, flux] = [0, 3, 6, 9].map(|at| Vec3::from_slice(&numbers[at..at + 3]));
+            if name.starts_with("conductor") && previous.z < 0.0 {
+                continue; // Mitsuba's are black from behind; ours are not, and are tested to be the same on both sides.
+            }
             let (there, back) = with_bsdf(material, previous.z > 0.0, |bsdf| {
                 let value = |a: Vec3, b: Vec3| Vec3::from(bsdf.eval(a, b).to_rgb()) * other.z.abs();
                 (value(previous, other), value(other, previous))
@@ -126,7 +133,10 @@ fn assert_formula(material: &str, formula: impl Fn(DVec3, DVec3, f64) -> f64) {
             let values = bsdf.eval(a.as_vec3(), b.as_vec3()).to_rgb();
             for (value, color) in values.into_iter().zip([0.8, 0.4, 0.2]) {
                 let (value, expected) = (f64::from(value), formula(a, b, color));
-                assert!((value - expected).abs() < 1e-4 * expected + 1e-6, "{material}, {a} to {b}: {value}, {expected}");
+                assert!(
+                    (value - expected).abs() < 1e-4 * expected + 1e-6,
+                    "{material}, {a} to {b}: {value}, {expected}"
+                );
             }
         }
     });

@@ -193,8 +193,9 @@ fn assert_sampled_as_claimed(name: &str, bsdf: &Bsdf, to_previous: Vec3, follow:
     let mut cells = Vec::new();
     // The cells come from other draws than those they count, or each would hold as many as it was made for.
     Cell::around(smooth.iter().copied().step_by(4).collect(), Cell::ALL, &mut cells);
-    let counted: Vec<DVec2> = smooth.iter().copied().enumerate().filter(|(i, _)| i % 4 != 0).map(|(_, at)| at).collect();
-    let share = counted.len() as f64 / smooth.len().max(1) as f64;
+    let counted: Vec<DVec2> =
+        smooth.iter().copied().enumerate().filter(|(i, _)| i % 4 != 0).map(|(_, at)| at).collect();
+    let share = if smooth.is_empty() { 1.0 } else { counted.len() as f64 / smooth.len() as f64 };
     let mut expected: Vec<f64> = cells.iter().map(|cell| cell.integral(&density, 6)).collect();
     let mut observed = vec![0.0; cells.len()];
     for place in counted {
@@ -420,6 +421,105 @@ proptest! {
             all += bsdf.eval(a, b) * (b.z.abs() * weight);
         }
         prop_assert!(all.to_rgb().iter().all(|&lane| (0.0..=1.003).contains(&lane)), "{:?}", all);
+    }
+}
+
+/// What scatters smoothly and sends light back as it came, with or without the square of an index of refraction below.
+const RECIPROCAL: [(&str, f32); 13] = [
+    ("{ type = 'conductor', metal = 'Cu', roughness = { alpha = 0.02, alpha-v = 0.4 } }", 1.0),
+    ("{ type = 'conductor', metal = 'W', roughness = { alpha = 0.6, distribution = 'beckmann' } }", 1.0),
+    ("{ type = 'conductor', metal = 'Al', roughness = { alpha = 0.8, multiple-scattering = true } }", 1.0),
+    ("{ type = 'glass', ior = 1.4, roughness = { alpha = 0.2, alpha-v = 0.5 } }", 1.4),
+    ("{ type = 'glass', ior = 1, exterior-ior = 2, roughness = { alpha = 0.4, distribution = 'beckmann' } }", 0.5),
+    ("{ type = 'glass', ior = 1.7, roughness = { alpha = 0.7, multiple-scattering = true } }", 1.7),
+    ("{ type = 'plastic', reflectance = [0.9, 0.2, 0.1], roughness = { alpha = 0.2 } }", 1.0),
+    ("{ type = 'rough-diffuse', alpha = 0.7 }", 1.0),
+    ("{ type = 'diffuse-transmission', reflectance = 0.6, transmittance = [0.1, 0.2, 0.3] }", 1.0),
+    ("{ type = 'phong' }", 1.0),
+    ("{ type = 'ward', alpha-u = 0.2, alpha-v = 0.3 }", 1.0),
+    (
+        "{ type = 'principled', spec-trans = 0.7, eta = 1.3, clearcoat = 0.5, sheen = 1, flatness = 0.5, metallic = 0.2 }",
+        1.3,
+    ),
+    ("{ type = 'principled-thin', spec-trans = 0.6, roughness = 0.3, diff-trans = 0.8, anisotropic = 0.5 }", 1.0),
+];
+
+#[test]
+fn rough_scattering_is_reciprocal_but_for_the_square_of_the_index() {
+    for (material, ior) in RECIPROCAL {
+        let (front, back) = (bsdf(material, true), bsdf(material, false));
+        for index in 0..4000_u32 {
+            let place = |step: f32| (index as f32 * step).fract();
+            let z = |at: f32| if at < 0.5 { at * 1.8 + 0.1 } else { -(at - 0.5) * 1.8 - 0.1 };
+            let a = direction(z(place(0.618_034)), 6.0 * place(0.754_878));
+            // Half of the pairs near the mirrored direction, where lobes are.
+            let b = direction(z(place(0.569_84)), 6.0 * place(0.324_718));
+            let b = if index % 2 == 0 { b } else { (Vec3::new(-a.x, -a.y, a.z) + 0.2 * b).normalize() };
+            let side = |from: Vec3| if from.z > 0.0 { &front } else { &back };
+            let square = |to: Vec3| if to.z > 0.0 { 1.0 } else { ior * ior };
+            let there = side(a).eval(a, b).to_rgb().map(|value| value / square(b));
+            let back = side(b).eval(b, a).to_rgb().map(|value| value / square(a));
+            for (there, back) in there.into_iter().zip(back) {
+                assert!(
+                    (there - back).abs() <= 2e-3 * there.abs() + 1e-6,
+                    "{material}, {a} to {b}: {there} and {back}"
+                );
+            }
+        }
+    }
+}
+
+/// The mean over strata of what a path is multiplied by: the share of the light that goes on, with its standard error.
+fn scattered_share(bsdf: &Bsdf, to_previous: Vec3) -> ([f64; 3], f64) {
+    let draws = 40_000;
+    let mut sampler = Sampler::new(11, 0, 0, 0);
+    let (mut sum, mut squares) = ([0.0; 3], 0.0);
+    for _ in 0..draws {
+        let Some(scattered) = bsdf.sample(to_previous, Lobes::ALL, &mut sampler) else { continue };
+        for (sum, lane) in sum.iter_mut().zip(scattered.weight.to_rgb()) {
+            *sum += f64::from(lane) / f64::from(draws);
+        }
+        squares += f64::from(scattered.weight.max()).powi(2) / f64::from(draws);
+    }
+    let largest = sum.iter().copied().fold(0.0, f64::max);
+    (sum, ((squares - largest * largest).max(0.0) / f64::from(draws)).sqrt())
+}
+
+/// 6 standard errors: odds of 2e-9 each, 2e-6 all together.
+#[test]
+fn no_rough_material_scatters_more_light_than_it_gets() {
+    for material in MATERIALS.iter().filter(|material| !material.contains("sheen")) {
+        for z in [1.0_f32, 0.8, 0.3, 0.05, -0.05, -0.5, -1.0] {
+            let (share, error) = scattered_share(&bsdf(material, z > 0.0), direction(z, 0.4));
+            let allowed = 1.002 + 6.0 * error;
+            assert!(share.iter().all(|&share| share <= allowed), "{material} from {z}: {share:?} ± {error}");
+        }
+    }
+}
+
+/// What absorbs nothing and is given back the light that its facets lose scatters all it gets, however rough it is.
+#[test]
+fn with_multiple_scattering_nothing_is_lost() {
+    for distribution in ["ggx", "beckmann"] {
+        for alpha in [0.01, 0.1, 0.3, 0.6, 1.0] {
+            let rough = format!(
+                "roughness = {{ alpha = {alpha}, distribution = '{distribution}', multiple-scattering = true }}"
+            );
+            for material in [
+                format!("{{ type = 'conductor', eta = 0, k = 1, {rough} }}"),
+                format!("{{ type = 'glass', ior = 1.5, {rough} }}"),
+                format!("{{ type = 'plastic', reflectance = 1, {rough} }}"),
+            ] {
+                for z in [1.0_f32, 0.6, 0.2, 0.05, -0.2, -0.7] {
+                    if z < 0.0 && material.contains("plastic") {
+                        continue;
+                    }
+                    let (share, error) = scattered_share(&bsdf(&material, z > 0.0), direction(z, 0.4));
+                    let off = (share[1] - 1.0).abs();
+                    assert!(off < 0.005 + 6.0 * error, "{material} from {z}: {share:?} ± {error}");
+                }
+            }
+        }
     }
 }
 

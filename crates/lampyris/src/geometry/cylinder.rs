@@ -66,6 +66,13 @@ impl Cylinder {
         Surface::flat(position, normal, uv, self.error)
     }
 
+    /// How the position changes with either texture coordinate, at `uv`.
+    pub fn partials(&self, uv: Vec2) -> (Vec3, Vec3) {
+        let (sin, cos) = (TAU * uv.x).sin_cos();
+        let around = self.axis.to_world(Vec3::new(-sin, cos, 0.0));
+        (around * (TAU * self.radius), self.axis.normal * self.length)
+    }
+
     /// Surface area.
     pub fn area(&self) -> f32 {
         TAU * self.radius * self.length

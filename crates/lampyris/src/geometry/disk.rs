@@ -35,6 +35,13 @@ impl Disk {
         self.0.surface(ab, Vec2::new(ab.length(), if around < 0.0 { around + 1.0 } else { around }))
     }
 
+    /// How the position changes with either texture coordinate, at `uv`; in the centre not with the second.
+    pub fn partials(&self, uv: Vec2) -> (Vec3, Vec3) {
+        let (sin, cos) = (TAU * uv.y).sin_cos();
+        let Flat { u, v, .. } = self.0;
+        (u * cos + v * sin, (v * cos - u * sin) * (TAU * uv.x))
+    }
+
     /// Surface area.
     pub fn area(&self) -> f32 {
         PI * self.0.area()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::{Bounds, MeshData, RELATIVE_ERROR, Ray, Surface};
-use crate::math::{Distribution, warp};
+use crate::math::{Distribution, Frame, warp};
 
 /// A triangle mesh in world coordinates.
 #[derive(Clone, Debug)]
@@ -69,6 +69,25 @@ impl Mesh {
         let error = RELATIVE_ERROR * extent.max_element();
         let position = triangle.corner + e1 * barycentric.x + e2 * barycentric.y;
         Surface { position, normal, shading_normal, uv, error }
+    }
+
+    /// How the position changes with either texture coordinate on triangle `index`. Where the mesh has none they are the
+    /// barycentric coordinates; where they do not span the triangle, any two vectors in its plane.
+    pub fn partials(&self, index: usize) -> (Vec3, Vec3) {
+        let Triangle { edges: [e1, e2], .. } = self.triangle(index);
+        if self.data.uvs.is_empty() {
+            return (e1, e2);
+        }
+        let [a, b, c] = self.data.triangles[index].map(|corner| Vec2::from_array(self.data.uvs[corner as usize]));
+        let (d1, d2) = (b - a, c - a);
+        let inverse = 1.0 / d1.perp_dot(d2);
+        let along_u = (e1 * d2.y - e2 * d1.y) * inverse;
+        let along_v = (e2 * d1.x - e1 * d2.x) * inverse;
+        if along_u.is_finite() && along_v.is_finite() {
+            return (along_u, along_v);
+        }
+        let frame = Frame::around(e1.cross(e2).normalize_or(Vec3::Z));
+        (frame.to_world(Vec3::X), frame.to_world(Vec3::Y))
     }
 
     /// Surface area.

@@ -35,4 +35,9 @@ impl Plane {
         let error = RELATIVE_ERROR * position.abs().max_element().max(self.distance.abs());
         Surface::flat(position, normal, Vec2::new(local.x, local.y), error)
     }
+
+    /// What a step in either texture coordinate adds to the position.
+    pub fn partials(&self) -> (Vec3, Vec3) {
+        (self.frame.to_world(Vec3::X), self.frame.to_world(Vec3::Y))
+    }
 }

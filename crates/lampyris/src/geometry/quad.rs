@@ -29,6 +29,11 @@ impl Quad {
         self.0.surface(ab, ab)
     }
 
+    /// How the position changes with either texture coordinate: the edges.
+    pub fn partials(&self) -> (Vec3, Vec3) {
+        (self.0.u, self.0.v)
+    }
+
     /// Surface area.
     pub fn area(&self) -> f32 {
         self.0.area()

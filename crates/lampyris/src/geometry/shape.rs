@@ -1,6 +1,6 @@
 //! Any one of the geometries.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::{Bounds, Cylinder, Disk, Mesh, Plane, Quad, Ray, Sphere, Surface};
 
@@ -45,6 +45,18 @@ impl Shape {
             Shape::Disk(disk) => disk.surface(ray, distance),
             Shape::Cylinder(cylinder) => cylinder.surface(ray, distance),
             Shape::Mesh(mesh) => mesh.surface(triangle as usize, barycentric),
+        }
+    }
+
+    /// How the position changes with either texture coordinate, at `uv`, on a mesh on that triangle.
+    pub(super) fn partials(&self, uv: Vec2, triangle: u32) -> (Vec3, Vec3) {
+        match self {
+            Shape::Plane(plane) => plane.partials(),
+            Shape::Sphere(sphere) => sphere.partials(uv),
+            Shape::Quad(quad) => quad.partials(),
+            Shape::Disk(disk) => disk.partials(uv),
+            Shape::Cylinder(cylinder) => cylinder.partials(uv),
+            Shape::Mesh(mesh) => mesh.partials(triangle as usize),
         }
     }
 

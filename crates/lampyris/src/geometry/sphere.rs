@@ -57,6 +57,15 @@ impl Sphere {
         Surface::flat(self.center + normal * self.radius, normal, uv, self.error())
     }
 
+    /// How the position changes with either texture coordinate, at `uv`; at the poles not with the first.
+    pub fn partials(&self, uv: Vec2) -> (Vec3, Vec3) {
+        let ((sin_around, cos_around), (sin, cos)) = ((TAU * uv.x).sin_cos(), (PI * uv.y).sin_cos());
+        let to_world = self.to_local.transpose() * self.radius;
+        let along_u = Vec3::new(-sin * sin_around, sin * cos_around, 0.0) * TAU;
+        let along_v = Vec3::new(cos * cos_around, cos * sin_around, -sin) * PI;
+        (to_world * along_u, to_world * along_v)
+    }
+
     /// Surface area.
     pub fn area(&self) -> f32 {
         4.0 * PI * self.radius * self.radius

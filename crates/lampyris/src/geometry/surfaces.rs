@@ -162,6 +162,12 @@ impl Surfaces {
         placed.oriented(placed.shape.surface(ray, hit.distance, hit.triangle, hit.barycentric))
     }
 
+    /// How the position changes with either texture coordinate (∂p/∂u, ∂p/∂v) where a ray hit: the tangents of normal
+    /// maps and of anisotropy, in the world. Zero where all values of a coordinate meet, as at the poles of a sphere.
+    pub fn partials(&self, hit: &Hit, surface: &Surface) -> (Vec3, Vec3) {
+        self.shapes[hit.shape as usize].shape.partials(surface.uv, hit.triangle)
+    }
+
     /// A point uniform by area on a shape; none on an infinite plane.
     pub fn sample(&self, shape: u32, u: Vec2) -> Option<Surface> {
         let placed = &self.shapes[shape as usize];

@@ -31,15 +31,7 @@ impl Integrator for LightTracing {
         let new = || Splat { scene, film, splats: Vec::new(), max_bounces };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
-        let mut image = camera_pass(
-            scene,
-            film,
-            pass,
-            1,
-            observer,
-            || (),
-            |ray, _, ()| (scene.closest(&ray).map_or_else(|| scene.background(), |point| scene.emitted(&point)), 1),
-        );
+        let mut image = camera_pass(scene, film, pass, 1, observer, || (), |ray, _, ()| (scene.plain_sight(ray), 1));
         let scale = 1.0 / paths as f32;
         for (pixel, light) in blocks.into_iter().flat_map(|block| block.splats) {
             let sum = &mut image.pixels_mut()[pixel as usize];
@@ -82,7 +74,7 @@ impl Splat<'_> {
         let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
             / point.geometric_over_shading(point.to_previous).max(1e-3);
         let value = point.eval(to_camera) * (cos * seen.importance);
-        let arrives = !value.is_zero() && !self.scene.occluded(&point.surface, seen.lens);
-        arrives.then(|| (pixel, path.throughput * value))
+        let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
+        (visibility > 0.0).then(|| (pixel, path.throughput * value * visibility))
     }
 }

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::{
-    Coefficients, Conductor, Diffuse, DiffuseTransmission, Event, Glass, Hole, Lobes, Mirror, Phong, Plastic, Principled,
-    PrincipledThin, RoughConductor, RoughDiffuse, RoughGlass, RoughPlastic, ThinGlass, Ward,
+    Coefficients, Conductor, Diffuse, DiffuseTransmission, Event, Glass, Hole, Lobes, Mirror, Phong, Plastic,
+    Principled, PrincipledThin, RoughConductor, RoughDiffuse, RoughGlass, RoughPlastic, ThinGlass, Ward,
 };
 use crate::math::ONE_MINUS_EPSILON;
 use crate::sampler::Sampler;
@@ -12,7 +12,9 @@ use crate::spectrum::Spectrum;
 
 /// How much of the light takes part in each event, by [`Event::index`]. For delta events this is the weight of the
 /// path; for smooth ones a good estimate of it, which steers the choice alone.
-pub type Shares = [Spectrum; 4];
+pub type Shares = [Spectrum; EVENTS];
+
+const EVENTS: usize = Event::ALL.len();
 
 /// A model of scattering. Directions are local (normal +z), of unit length, and point away from the surface; models
 /// are symmetric in their two directions but for the solid angle that refraction changes, which the walk corrects. What
@@ -114,10 +116,10 @@ impl Model<'_> {
         match self {
             Model::Diffuse(_) => Event::Diffuse.into(),
             Model::Mirror(_) | Model::Conductor(_) => Event::Specular.into(),
-            Model::Glass(_) | Model::ThinGlass(_) => Lobes::DELTA,
+            Model::Glass(_) | Model::ThinGlass(_) => Lobes::from(Event::Specular) | Event::Refraction.into(),
             Model::Plastic(_) => Lobes::from(Event::Diffuse) | Event::Specular.into(),
             Model::Coefficients(model) => model.lobes(),
-            Model::Hole(_) => Event::Refraction.into(),
+            Model::Hole(_) => Event::Pass.into(),
             Model::RoughDiffuse(_) | Model::DiffuseTransmission(_) => Event::Diffuse.into(),
             Model::Principled(_) | Model::PrincipledThin(_) => Event::Glossy.into(),
             Model::RoughConductor(RoughConductor { white: None, .. }) => Event::Glossy.into(),
@@ -217,6 +219,13 @@ impl<'a> Bsdf<'a> {
         self.transmits
     }
 
+    /// Share of the light that goes through holes.
+    #[inline]
+    pub fn holes(&self) -> f32 {
+        let holes = self.parts().iter().filter(|part| matches!(part.model, Model::Hole(_)));
+        holes.map(|part| part.weight).sum()
+    }
+
     /// The value of the smooth lobes in 1/sr, without a cosine, for flux that comes from `to_previous`; see
     /// [`Scatter::eval`].
     #[inline]
@@ -254,7 +263,7 @@ impl<'a> Bsdf<'a> {
         let weights = self.weights(to_previous, follow);
         let used = weights[..usize::from(self.count)].as_flattened();
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
-        let (part, event) = (&self.parts[slot / 4], Event::ALL[slot % 4]);
+        let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
         let local = part.turned(to_previous);
         let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square().extend(rest))?;
         let to_next = part.turned(to_next);
@@ -269,8 +278,8 @@ impl<'a> Bsdf<'a> {
 
     /// The weight of every event of every part in the choice of one.
     #[inline]
-    fn weights(&self, to_previous: Vec3, follow: Lobes) -> [[f32; 4]; MAX_PARTS] {
-        let mut weights = [[0.0; 4]; MAX_PARTS];
+    fn weights(&self, to_previous: Vec3, follow: Lobes) -> [[f32; EVENTS]; MAX_PARTS] {
+        let mut weights = [[0.0; EVENTS]; MAX_PARTS];
         for (part, weights) in self.parts().iter().zip(&mut weights) {
             let shares = part.model.scatter().shares(part.turned(to_previous));
             for event in Event::ALL {
@@ -283,7 +292,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// The densities of all smooth events, times their unnormalised weights.
-    fn smooth_pdf(&self, weights: &[[f32; 4]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
+    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
         let mut pdf = 0.0;
         for (part, weights) in self.parts().iter().zip(weights) {
             for event in [Event::Diffuse, Event::Glossy] {

@@ -52,7 +52,9 @@ impl Scatter for Conductor {
 
 impl Scatter for Hole {
     fn shares(&self, _: Vec3) -> Shares {
-        glass::delta_shares(Spectrum::ZERO, Spectrum::ONE)
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
+        shares[Event::Pass.index()] = Spectrum::ONE;
+        shares
     }
 
     fn sample(&self, _: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {

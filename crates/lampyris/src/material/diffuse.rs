@@ -18,7 +18,7 @@ pub struct Diffuse {
 impl Scatter for Diffuse {
     #[inline]
     fn shares(&self, _: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Diffuse.index()] = self.reflectance;
         shares
     }

@@ -27,7 +27,7 @@ impl DiffuseTransmission {
 
 impl Scatter for DiffuseTransmission {
     fn shares(&self, _: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Diffuse.index()] = self.reflectance + self.transmittance;
         shares
     }

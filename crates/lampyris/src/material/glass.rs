@@ -55,7 +55,7 @@ impl Scatter for ThinGlass {
 
 /// Shares of mirrored and refracted light.
 pub(super) fn delta_shares(specular: Spectrum, refraction: Spectrum) -> Shares {
-    let mut shares = [Spectrum::ZERO; 4];
+    let mut shares = [Spectrum::ZERO; Event::ALL.len()];
     shares[Event::Specular.index()] = specular;
     shares[Event::Refraction.index()] = refraction;
     shares

@@ -179,7 +179,11 @@ fn visible_slope(tan: f32, u: f32) -> f32 {
         if off.abs() < 1e-6 {
             break;
         }
-        if off > 0.0 { high = y } else { low = y }
+        if off > 0.0 {
+            high = y
+        } else {
+            low = y
+        }
         let newton = y - off / (1.0 - slope * tan);
         y = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
     }

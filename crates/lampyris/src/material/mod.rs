@@ -8,6 +8,7 @@ mod diffuse_transmission;
 mod event;
 mod glass;
 mod microfacet;
+mod perturb;
 mod phong;
 mod plastic;
 mod principled;
@@ -27,6 +28,7 @@ pub use diffuse_transmission::DiffuseTransmission;
 pub use event::{Event, Lobes};
 pub use glass::{Glass, ThinGlass};
 pub use microfacet::{MicrofacetDistribution, Microfacets};
+pub use perturb::Slopes;
 pub use phong::Phong;
 pub use plastic::Plastic;
 pub use principled::{Principled, PrincipledThin};
@@ -180,6 +182,24 @@ pub enum Material {
     Principled(Box<PrincipledTextures>),
     /// See [`PrincipledThin`].
     PrincipledThin(Box<PrincipledThinTextures>),
+    /// A material whose normal a picture turns.
+    NormalMap {
+        /// (n + 1) / 2 in the frame of tangents.
+        normals: Texture,
+        /// Factor of the first two coordinates of n.
+        strength: f32,
+        /// What is turned.
+        material: MaterialId,
+    },
+    /// A material whose normal follows the slope of a height map.
+    BumpMap {
+        /// Heights.
+        height: Texture,
+        /// Their unit, in scene units.
+        scale: f32,
+        /// What is turned.
+        material: MaterialId,
+    },
     /// One material on the side of the normal, another on the back.
     TwoSided {
         /// Seen from the side of the normal.
@@ -207,13 +227,53 @@ pub enum Material {
 
 /// All materials of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Materials(Vec<Material>);
+pub struct Materials(Vec<Material>, Vec<Needs>);
+
+/// What a material asks of a surface besides its texture coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Needs {
+    tangents: bool,
+    holes: bool,
+}
 
 impl Materials {
     /// Adds a material, which may name only earlier ones, and returns its number.
     pub fn add(&mut self, material: Material) -> MaterialId {
+        let needs = self.needs(&material);
         self.0.push(material);
+        self.1.push(needs);
         (self.0.len() - 1) as MaterialId
+    }
+
+    fn needs(&self, material: &Material) -> Needs {
+        let of = |id: &MaterialId| self.1[*id as usize];
+        let both = |a: Needs, b: Needs| Needs { tangents: a.tangents || b.tangents, holes: a.holes || b.holes };
+        match material {
+            Material::TwoSided { front, back } => both(of(front), of(back)),
+            Material::Blend { first, second, .. } => both(of(first), of(second)),
+            Material::Mask { material, .. } => Needs { holes: true, ..of(material) },
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => {
+                Needs { tangents: true, ..of(material) }
+            }
+            Material::RoughConductor { rough, .. }
+            | Material::RoughGlass { rough, .. }
+            | Material::RoughPlastic { rough, .. } => Needs { tangents: rough.is_anisotropic(), ..Needs::default() },
+            Material::Ward { .. } | Material::Principled(_) | Material::PrincipledThin(_) => {
+                Needs { tangents: true, ..Needs::default() }
+            }
+            _ => Needs::default(),
+        }
+    }
+
+    /// Whether the directions of a surface's tangents make a difference to the material.
+    #[inline]
+    pub fn has_tangents(&self, id: MaterialId) -> bool {
+        self.1[id as usize].tangents
+    }
+
+    /// Whether any material has holes.
+    pub fn have_holes(&self) -> bool {
+        self.1.iter().any(|needs| needs.holes)
     }
 
     /// How many there are.
@@ -231,6 +291,7 @@ impl Materials {
         match &self.0[id as usize] {
             Material::TwoSided { front, back } => self.parts(*front).max(self.parts(*back)),
             Material::Mask { material, .. } => self.parts(*material) + 1,
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => self.parts(*material),
             Material::Blend { first, second, .. } => self.parts(*first) + self.parts(*second),
             _ => 1,
         }
@@ -259,6 +320,9 @@ impl Materials {
                 return self.collect(*material, at, true, weight, flipped, bsdf);
             }
             Material::TwoSided { back, .. } => return self.collect(*back, at, true, weight, !flipped, bsdf),
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => {
+                return self.collect(*material, at, front, weight, flipped, bsdf);
+            }
             Material::Mask { opacity, material } => {
                 let opacity = opacity.at(at).mean();
                 self.collect(*material, at, front, weight * opacity, flipped, bsdf);

@@ -22,7 +22,7 @@ pub struct Phong {
 
 impl Scatter for Phong {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         if to_previous.z > 0.0 {
             shares[Event::Diffuse.index()] = self.diffuse;
             shares[Event::Glossy.index()] = self.specular;

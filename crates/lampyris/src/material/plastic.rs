@@ -42,7 +42,7 @@ impl Plastic {
 
 impl Scatter for Plastic {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         if to_previous.z > 0.0 {
             let reflected = fresnel::dielectric(to_previous.z, self.ior).reflectance;
             shares[Event::Diffuse.index()] = self.base * ((1.0 - reflected) * self.escape);
@@ -68,8 +68,11 @@ impl Scatter for Plastic {
     }
 
     fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
-        let to_next =
-            if event == Event::Specular { fresnel::reflect(to_previous) } else { diffuse::sample(to_previous, u.truncate()) };
+        let to_next = if event == Event::Specular {
+            fresnel::reflect(to_previous)
+        } else {
+            diffuse::sample(to_previous, u.truncate())
+        };
         Some((to_next, 1.0))
     }
 }

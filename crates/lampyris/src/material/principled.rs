@@ -203,7 +203,7 @@ impl Principled {
 
 impl Scatter for Principled {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         let clear = self.clear_and_opaque().0;
         if to_previous.z > 0.0 || clear > 0.0 {
             let reflected = self.reflected(to_previous.z, to_previous.z > 0.0);
@@ -327,7 +327,7 @@ impl PrincipledThin {
 
 impl Scatter for PrincipledThin {
     fn shares(&self, _: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Glossy.index()] = self.base_color * 0.9 + Spectrum::grey(0.1);
         shares
     }

@@ -70,7 +70,7 @@ pub(super) fn above(direction: Vec3) -> Vec3 {
 impl Scatter for RoughConductor<'_> {
     fn shares(&self, to_previous: Vec3) -> Shares {
         let cos = to_previous.z.abs();
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Glossy.index()] = self.metal.reflectance(cos) * self.reflectance;
         if let Some(white) = self.white {
             shares[Event::Diffuse.index()] = self.repeated(white) * (1.0 - white.at(cos)).max(0.0);
@@ -118,4 +118,3 @@ impl Scatter for RoughConductor<'_> {
         Some((to_next.with_z(to_next.z.copysign(to_previous.z)), 1.0))
     }
 }
-

@@ -39,7 +39,8 @@ impl Angles {
         let (high, low) = if a.z > b.z { (b, a) } else { (a, b) };
         let sin = [high, low].map(|direction| direction.truncate().length());
         let product = sin[0] * sin[1];
-        let azimuth = if product > 1e-8 { (high.truncate().dot(low.truncate()) / product).clamp(-1.0, 1.0) } else { 0.0 };
+        let azimuth =
+            if product > 1e-8 { (high.truncate().dot(low.truncate()) / product).clamp(-1.0, 1.0) } else { 0.0 };
         Angles { azimuth, sin, cos: [high.z, low.z] }
     }
 }
@@ -69,7 +70,7 @@ impl RoughDiffuse {
 
 impl Scatter for RoughDiffuse {
     fn shares(&self, _: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Diffuse.index()] = self.reflectance;
         shares
     }

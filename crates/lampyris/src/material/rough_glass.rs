@@ -143,7 +143,7 @@ impl Facet {
 
 impl Scatter for RoughGlass<'_> {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         let reflected = fresnel::dielectric(to_previous.z, self.ior).reflectance;
         // A facet may let pass what the surface as a whole would mirror, and the other way round.
         shares[Event::Glossy.index()] = (self.reflectance * reflected + self.transmittance * (1.0 - reflected)) * 0.9
@@ -155,8 +155,7 @@ impl Scatter for RoughGlass<'_> {
     }
 
     fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
-        let repeated =
-            self.once.map_or(Spectrum::ZERO, |both| self.repeated(both, to_previous, to_next));
+        let repeated = self.once.map_or(Spectrum::ZERO, |both| self.repeated(both, to_previous, to_next));
         let Some(facet) = self.facet(to_previous, to_next) else { return repeated };
         let masking = self.facets.visible(to_previous, facet.normal) * self.facets.visible(to_next, facet.normal);
         let share = facet.boundary.reflectance;

@@ -39,7 +39,7 @@ impl<'a> RoughPlastic<'a> {
 
 impl Scatter for RoughPlastic<'_> {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         if to_previous.z > 0.0 {
             let entering = self.coat.entering.at(to_previous.z);
             shares[Event::Diffuse.index()] = self.base * (entering * (1.0 - self.coat.kept));

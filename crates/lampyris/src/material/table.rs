@@ -11,7 +11,7 @@ const COSINES: usize = 64;
 /// How many rows cover all α from 0 to 1, evenly in √α, where α comes from a texture.
 const ALPHAS: usize = 25;
 /// Normals per side of the square over which is averaged.
-const NORMALS: usize = 40;
+const NORMALS: usize = 48;
 
 /// Shares of light by the cosine under which it comes, for facets of one α.
 #[derive(Clone, Debug)]

@@ -57,7 +57,7 @@ impl Ward {
 
 impl Scatter for Ward {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         if to_previous.z > 0.0 {
             shares[Event::Diffuse.index()] = self.diffuse;
             shares[Event::Glossy.index()] = self.specular;

@@ -3,8 +3,7 @@
 /// The integral of 2/√π exp(-t²) from 0 to `x` [Abramowitz & Stegun 1964, 7.1.26]; absolute error below 5e-7.
 pub fn erf(x: f32) -> f32 {
     let t = 1.0 / (1.0 + 0.327_591_1 * x.abs());
-    let polynomial = t
-        * (0.254_829_6 + t * (-0.284_496_74 + t * (1.421_413_7 + t * (-1.453_152 + t * 1.061_405_4))));
+    let polynomial = t * (0.254_829_6 + t * (-0.284_496_74 + t * (1.421_413_7 + t * (-1.453_152 + t * 1.061_405_4))));
     (1.0 - polynomial * (-x * x).exp()).copysign(x)
 }
 

@@ -38,7 +38,7 @@ impl Estimate<'_> {
         } else {
             point.surface.normal
         };
-        let even = point.bsdf.even(point.frame.to_local(point.to_previous));
+        let even = point.even();
         let mut sum = Spectrum::ZERO;
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;

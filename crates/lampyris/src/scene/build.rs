@@ -48,7 +48,9 @@ pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Buil
     }
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
-    Ok(Built { scene: Scene { surfaces, shapes: records, materials: materials.finish(), lights, camera }, warnings })
+    let materials = materials.finish();
+    let holes = materials.have_holes();
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera }, warnings })
 }
 
 /// The sphere on which photons from infinitely far away start: around all that is finite, and the camera, near which

@@ -14,9 +14,9 @@ pub use build::{Built, build};
 pub use description::SceneDescription;
 
 use crate::camera::Camera;
-use crate::geometry::{Bounds, Ray, Surface, Surfaces};
+use crate::geometry::{Bounds, Hit, Ray, Surface, Surfaces};
 use crate::light::{Constant, Emission, Illumination, Light, LightId};
-use crate::material::{Bsdf, Lobes, MaterialId, Materials};
+use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
 use crate::math::{Distribution, Frame};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -28,6 +28,8 @@ pub struct Scene {
     surfaces: Surfaces,
     shapes: Vec<ShapeRecord>,
     materials: Materials,
+    /// Whether any material has holes.
+    holes: bool,
     lights: Lights,
     camera: Camera,
 }
@@ -58,8 +60,10 @@ struct Lights {
 pub struct SurfacePoint<'s> {
     /// The geometry there.
     pub surface: Surface,
-    /// Around the shading normal.
+    /// Around the normal that shading uses, turned by the material's maps.
     pub frame: Frame,
+    /// How rough maps make the surface as a whole: α² of facets that lean as much as the normal does here, 0 without maps.
+    pub lean: f32,
     /// The scattering there.
     pub bsdf: Bsdf<'s>,
     /// Back along the path, world coordinates, unit length.
@@ -75,14 +79,57 @@ impl SurfacePoint<'_> {
     /// `to_next` (world).
     #[inline]
     pub fn eval(&self, to_next: Vec3) -> Spectrum {
-        self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next))
+        if !self.keeps_side(to_next) {
+            return Spectrum::ZERO;
+        }
+        let value = self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next));
+        value * self.unshadowed(self.to_previous)
     }
 
     /// The value of the smooth lobes in 1/sr for radiance that comes from the direction `to_light` (world) and leaves
     /// towards the previous point.
     #[inline]
     pub fn eval_radiance(&self, to_light: Vec3) -> Spectrum {
-        self.bsdf.eval(self.frame.to_local(to_light), self.frame.to_local(self.to_previous))
+        if !self.keeps_side(to_light) {
+            return Spectrum::ZERO;
+        }
+        let value = self.bsdf.eval(self.frame.to_local(to_light), self.frame.to_local(self.to_previous));
+        value * self.unshadowed(to_light)
+    }
+
+    /// The value of [`SurfacePoint::eval_radiance`] where it is the same for all directions on the side of the previous
+    /// point, and zero on the other.
+    #[inline]
+    pub fn even(&self) -> Option<Spectrum> {
+        if self.lean > 0.0 { None } else { self.bsdf.even(self.frame.to_local(self.to_previous)) }
+    }
+
+    /// A direction (world) in which the path goes on by one of these lobes; see [`Bsdf::sample`].
+    #[inline]
+    pub fn sample(&self, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        let scattered = self.bsdf.sample(self.frame.to_local(self.to_previous), follow, sampler)?;
+        if scattered.event == Event::Pass {
+            return Some(Scattered { to_next: -self.to_previous, ..scattered });
+        }
+        let to_next = self.frame.to_world(scattered.to_next);
+        self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
+    }
+
+    /// Whether a direction (world) lies on the same side of the normal that maps have turned as of the one before.
+    #[inline]
+    fn keeps_side(&self, direction: Vec3) -> bool {
+        self.lean == 0.0 || self.surface.shading_normal.dot(direction) * self.frame.normal.dot(direction) > 0.0
+    }
+
+    /// Share of the light from a direction (world) that what maps only paint would not shadow if it were there
+    /// [Conty Estevez et al. 2019].
+    #[inline]
+    pub fn unshadowed(&self, to_light: Vec3) -> f32 {
+        if self.lean == 0.0 {
+            return 1.0;
+        }
+        let cos2 = self.surface.shading_normal.dot(to_light).powi(2).clamp(1e-8, 1.0);
+        2.0 / (1.0 + (1.0 + self.lean * (1.0 - cos2) / cos2).sqrt())
     }
 
     /// Whether a direction (world) lies on the side of the shading normal on which the previous point does.
@@ -94,6 +141,9 @@ impl SurfacePoint<'_> {
     /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.
     #[inline]
     pub fn pdf(&self, to_next: Vec3, follow: Lobes) -> f32 {
+        if !self.keeps_side(to_next) {
+            return 0.0;
+        }
         self.bsdf.pdf(self.frame.to_local(self.to_previous), self.frame.to_local(to_next), follow)
     }
 
@@ -103,11 +153,11 @@ impl SurfacePoint<'_> {
         self.frame.normal.dot(direction).abs()
     }
 
-    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth normals. Light
+    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth or turned normals. Light
     /// falls on the geometry, whereas shading reckons with its own normal; whoever compares the two needs this ratio.
     #[inline]
     pub fn geometric_over_shading(&self, direction: Vec3) -> f32 {
-        if self.surface.normal == self.surface.shading_normal {
+        if self.surface.normal == self.frame.normal {
             return 1.0;
         }
         self.surface.normal.dot(direction).abs() / self.cos(direction).max(1e-4)
@@ -121,25 +171,92 @@ impl Scene {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
-        let frame = Frame::around(surface.shading_normal);
         let front = surface.shading_normal.dot(to_previous) > 0.0;
-        let bsdf = self.materials.bsdf(self.shapes[hit.shape as usize].material, &Lookup::point(surface.uv), front);
-        Some(SurfacePoint { surface, frame, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
+        let (material, lookup) = (self.shapes[hit.shape as usize].material, Lookup::point(surface.uv));
+        let bsdf = self.materials.bsdf(material, &lookup, front);
+        let (frame, lean) = if self.materials.has_tangents(material) {
+            self.turned_frame(material, &lookup, ray, &hit, &surface)
+        } else {
+            (Frame::around(surface.shading_normal), 0.0)
+        };
+        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
     }
 
-    /// Whether light from `illumination` is kept from `from` by something that stands between.
+    /// The frame that the material's maps make of the one along the tangents, with [`SurfacePoint::lean`].
+    fn turned_frame(
+        &self,
+        material: MaterialId,
+        lookup: &Lookup,
+        ray: &Ray,
+        hit: &Hit,
+        surface: &Surface,
+    ) -> (Frame, f32) {
+        let (along_u, along_v) = self.surfaces.partials(hit, surface);
+        let frame = Frame::along(surface.shading_normal, along_u);
+        let slopes = Slopes { along_u: frame.to_local(along_u), along_v: frame.to_local(along_v) };
+        let view = frame.to_local(-ray.direction);
+        let normal = self.materials.normal(material, lookup, view.z > 0.0, view, &slopes);
+        if normal == Vec3::Z {
+            return (frame, 0.0);
+        }
+        let tan2 = (1.0 - normal.z * normal.z) / (normal.z * normal.z).max(1e-8);
+        // Not zero, by which turned frames are known.
+        let lean = (0.125 * tan2).clamp(f32::MIN_POSITIVE, 1.0);
+        (Frame::along(frame.to_world(normal).normalize(), frame.tangent()), lean)
+    }
+
+    /// Share of the light from `illumination` that what stands between leaves to `from`: 1, 0, or what holes let through.
     #[inline]
-    pub fn shadowed(&self, from: &Surface, illumination: &Illumination) -> bool {
+    pub fn visibility(&self, from: &Surface, illumination: &Illumination) -> f32 {
         let origin = from.offset(illumination.to_light);
         match illumination.target {
-            Some(target) => self.surfaces.occluded(origin, target),
-            None => self.surfaces.blocked(&Ray { origin, direction: illumination.to_light }, f32::INFINITY),
+            Some(target) if self.surfaces.occluded(origin, target) => self.through_holes(origin, target),
+            None => {
+                let ray = Ray { origin, direction: illumination.to_light };
+                if self.surfaces.blocked(&ray, f32::INFINITY) { self.through_holes_of(ray, f32::INFINITY) } else { 1.0 }
+            }
+            _ => 1.0,
         }
     }
 
-    /// Whether anything stands between a surface and a point in free space.
-    pub fn occluded(&self, from: &Surface, to: Vec3) -> bool {
-        self.surfaces.occluded(from.offset(to - from.position), to)
+    /// Share of the light that gets from a surface to a point in free space.
+    pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
+        let origin = from.offset(to - from.position);
+        if self.surfaces.occluded(origin, to) { self.through_holes(origin, to) } else { 1.0 }
+    }
+
+    fn through_holes(&self, from: Vec3, to: Vec3) -> f32 {
+        let distance = (to - from).length();
+        self.through_holes_of(Ray { origin: from, direction: (to - from) / distance }, distance * (1.0 - 1e-6))
+    }
+
+    /// Share of the light along a ray, of which it is known that something stands in its way, that comes through holes.
+    fn through_holes_of(&self, mut ray: Ray, mut distance: f32) -> f32 {
+        let mut share = 1.0;
+        while self.holes && share > 0.0 {
+            let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
+            let surface = self.surfaces.surface(&ray, &hit);
+            let front = surface.shading_normal.dot(ray.direction) < 0.0;
+            let material = self.shapes[hit.shape as usize].material;
+            share *= self.materials.bsdf(material, &Lookup::point(surface.uv), front).holes();
+            distance -= hit.distance;
+            ray = surface.spawn(ray.direction);
+        }
+        0.0
+    }
+
+    /// Radiance that arrives from lamps and the background in plain sight along a ray, also through holes.
+    pub fn plain_sight(&self, mut ray: Ray) -> Spectrum {
+        let (mut radiance, mut share) = (Spectrum::ZERO, 1.0);
+        while let Some(point) = self.closest(&ray) {
+            radiance += self.emitted(&point) * share;
+            share *= point.bsdf.holes();
+            if share <= 0.0 {
+                return radiance;
+            }
+            ray = point.surface.spawn(ray.direction);
+        }
+        radiance + self.background() * share
     }
 
     /// A photon of any light, chosen by power.

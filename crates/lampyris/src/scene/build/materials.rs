@@ -101,11 +101,18 @@ impl<'d> Builder<'d> {
                 reflectance: self.paint("reflectance", reflectance)?,
                 transmittance: self.paint("transmittance", transmittance)?,
             },
-            MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance, roughness: Some(roughness) } => {
+            MaterialDescription::Glass {
+                ior,
+                exterior_ior,
+                reflectance,
+                transmittance,
+                roughness: Some(roughness),
+            } => {
                 let ior = ratio(*ior, *exterior_ior)?;
                 let reflectance = self.paint("reflectance", reflectance)?;
                 let transmittance = self.paint("transmittance", transmittance)?;
-                self.rough_glass(ior, reflectance, transmittance, roughness).map_err(|error| error.under("roughness"))?
+                self.rough_glass(ior, reflectance, transmittance, roughness)
+                    .map_err(|error| error.under("roughness"))?
             }
             MaterialDescription::Conductor { metal, eta, k, reflectance, roughness } => {
                 let (eta, k) = index(metal.as_deref(), *eta, *k)?;
@@ -155,9 +162,7 @@ impl<'d> Builder<'d> {
                 specular: self.paint("specular", specular)?,
                 alpha: Box::new([self.amount("alpha-u", alpha_u)?, self.amount("alpha-v", alpha_v)?]),
             },
-            MaterialDescription::Principled(principled) => {
-                Material::Principled(Box::new(self.principled(principled)?))
-            }
+            MaterialDescription::Principled(principled) => Material::Principled(Box::new(self.principled(principled)?)),
             MaterialDescription::PrincipledThin(thin) => {
                 Material::PrincipledThin(Box::new(self.principled_thin(thin)?))
             }
@@ -178,7 +183,16 @@ impl<'d> Builder<'d> {
                 first: self.resolve(first, "first")?,
                 second: self.resolve(second, "second")?,
             },
-            _ => return Err(Error::new("this material cannot be rendered yet")),
+            MaterialDescription::NormalMap { normals, strength, material } => Material::NormalMap {
+                normals: self.raw_texture("normals", normals)?,
+                strength: check::finite("strength", *strength)?,
+                material: self.resolve(material, "material")?,
+            },
+            MaterialDescription::BumpMap { height, scale, material } => Material::BumpMap {
+                height: self.paint("height", &Paint::Texture(height.clone()))?,
+                scale: check::finite("scale", *scale)?,
+                material: self.resolve(material, "material")?,
+            },
         };
         let id = self.materials.add(material);
         let parts = self.materials.parts(id);
@@ -224,9 +238,8 @@ impl<'d> Builder<'d> {
             return Ok(Material::Glass { ior, reflectance, transmittance });
         }
         let facets = |alpha: f32| Microfacets::new(roughness.distribution, Vec2::splat(alpha));
-        let once = roughness
-            .multiple_scattering
-            .then(|| Table::new(alpha, |alpha| BothSides::new(&facets(alpha), ior)));
+        let once =
+            roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| BothSides::new(&facets(alpha), ior)));
         Ok(Material::RoughGlass { ior, reflectance, transmittance, rough, once })
     }
 
@@ -277,6 +290,20 @@ impl<'d> Builder<'d> {
             flatness: self.paint("flatness", &from.flatness)?,
             diff_trans,
         })
+    }
+
+    /// A texture whose numbers are no colours, whether or not it says so.
+    fn raw_texture(&self, key: &str, name: &str) -> Result<Texture> {
+        match self.description.textures.get(name) {
+            Some(TextureDescription::Bitmap { .. }) => {
+                let mut texture = self.description.textures[name].clone();
+                if let TextureDescription::Bitmap { raw, .. } = &mut texture {
+                    *raw = true;
+                }
+                self.texture(&texture).map_err(|error| error.under(&format!("textures.{name}")).at_root())
+            }
+            _ => self.paint(key, &Paint::Texture(name.to_string())),
+        }
     }
 
     /// A paint of shares, 0 to 1.
