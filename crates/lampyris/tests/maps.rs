@@ -24,7 +24,8 @@ impl Assets for Pictures {
         let image = match file {
             "normal" => Image::from_pixels(1, 1, vec![[0.75, 0.4, 0.85]]),
             "heights" => {
-                let heights = [0.1, 0.5, 0.2, 0.7, 0.3, 0.9, 0.4, 0.8, 0.6];
+                // Mitsuba has its first row at v = 0.
+                let heights = [0.4, 0.8, 0.6, 0.7, 0.3, 0.9, 0.1, 0.5, 0.2];
                 Image::from_pixels(3, 3, heights.map(|height| [height; 3]).to_vec())
             }
             // Two waves across.
@@ -161,9 +162,9 @@ fn under_a_sheet(light: &str) -> String {
          material = {{ type = 'diffuse', reflectance = 0.5 }}
          [[shapes]]
          type = 'quad'
-         corner = [-3, 1, -3]
-         u = [6, 0, 0]
-         v = [0, 0, 6]
+         corner = [-1.2, 1, -1.2]
+         u = [2.4, 0, 0]
+         v = [0, 0, 2.4]
          material = {{ type = 'mask', opacity = 0.7, material = {{ type = 'diffuse', reflectance = 0 }} }}"
     )
 }
@@ -181,7 +182,7 @@ fn parallel_light_comes_through_holes_once() {
     let text = under_a_sheet("lights = [{ type = 'directional', direction = [0, -1, 0], irradiance = 2 }]");
     for way in WAYS {
         let expected = 0.3 * 2.0 * 0.5 / std::f64::consts::PI;
-        assert_mean(way, &lit(&text, way).means(40)[0], expected, 0.0, 0.02);
+        assert_mean(way, &lit(&text, way).means(40)[0], expected, 0.0, 0.1);
     }
 }
 
@@ -189,8 +190,8 @@ fn parallel_light_comes_through_holes_once() {
 #[test]
 fn the_sky_is_seen_through_holes_once() {
     let text =
-        under_a_sheet("lights = [{ type = 'constant', radiance = 1 }]").replace("[-3, 1, -3]", "[-300, 1, -300]");
-    let text = text.replace("u = [6, 0, 0]", "u = [600, 0, 0]").replace("v = [0, 0, 6]", "v = [0, 0, 600]");
+        under_a_sheet("lights = [{ type = 'constant', radiance = 1 }]").replace("[-1.2, 1, -1.2]", "[-300, 1, -300]");
+    let text = text.replace("u = [2.4, 0, 0]", "u = [600, 0, 0]").replace("v = [0, 0, 2.4]", "v = [0, 0, 600]");
     // Photons from the sky would spread over the whole sheet.
     assert_mean("sky", &lit(&text, WAYS[0]).means(40)[0], 0.3 * 0.5, 0.001, 0.02);
 }
@@ -211,6 +212,9 @@ fn a_lamp_behind_two_sheets_gives_all_ways_the_same_light() {
          radius = 0.4
          emission = { radiance = 20 }";
     let text = under_a_sheet("") + sheet;
+    // Nothing goes round the sheet that is mostly holes.
+    let text = text.replace("[-1.2, 1, -1.2]", "[-3, 1, -3]");
+    let text = text.replace("u = [2.4, 0, 0]", "u = [6, 0, 0]").replace("v = [0, 0, 2.4]", "v = [0, 0, 6]");
     let path = lit(&text, WAYS[0]).means(60);
     let mean = path[0].iter().sum::<f64>() / path[0].len() as f64;
     assert!(mean > 0.05, "{mean}");

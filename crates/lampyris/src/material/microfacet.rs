@@ -154,7 +154,7 @@ fn visible_cap(direction: Vec3, u: Vec2) -> Vec3 {
     normal.with_z(normal.z.max(1e-7))
 }
 
-/// A normal of a surface of Gaussian slopes of α = 1, seen from `direction` [Heitz & d'Eon 2014]. Not of unit length.
+/// A normal of a surface of Gaussian slopes of α = 1, seen from `direction` [Heitz & D'Eon 2014]. Not of unit length.
 fn visible_gaussian(direction: Vec3, u: Vec2) -> Vec3 {
     let sin = direction.truncate().length();
     let around = if sin > 0.0 { direction.truncate() / sin } else { Vec2::X };

@@ -46,7 +46,7 @@ impl Angles {
 }
 
 impl RoughDiffuse {
-    /// Light that meets one side of a groove, over that of a flat surface; and light that meets two [eq. 30, 31].
+    /// Light that meets one side of a groove, over that of a flat surface; and light that meets two.
     fn once_and_twice(&self, angles: &Angles) -> (f32, f32) {
         let variance = self.variance;
         let tan_low = angles.sin[1] / angles.cos[1];

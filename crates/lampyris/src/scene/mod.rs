@@ -122,7 +122,7 @@ impl SurfacePoint<'_> {
     }
 
     /// Share of the light from a direction (world) that what maps only paint would not shadow if it were there
-    /// [Conty Estevez et al. 2019].
+    /// [Estevez et al. 2019].
     #[inline]
     pub fn unshadowed(&self, to_light: Vec3) -> f32 {
         if self.lean == 0.0 {
@@ -210,37 +210,42 @@ impl Scene {
     pub fn visibility(&self, from: &Surface, illumination: &Illumination) -> f32 {
         let origin = from.offset(illumination.to_light);
         match illumination.target {
-            Some(target) if self.surfaces.occluded(origin, target) => self.through_holes(origin, target),
+            Some(target) if self.surfaces.occluded(origin, target) => self.through_holes(origin, |from| {
+                let between = target - from;
+                let distance = between.length();
+                (Ray { origin: from, direction: between / distance }, distance * (1.0 - 1e-6))
+            }),
             None => {
-                let ray = Ray { origin, direction: illumination.to_light };
-                if self.surfaces.blocked(&ray, f32::INFINITY) { self.through_holes_of(ray, f32::INFINITY) } else { 1.0 }
+                let ray = |origin| Ray { origin, direction: illumination.to_light };
+                if self.surfaces.blocked(&ray(origin), f32::INFINITY) {
+                    self.through_holes(origin, |from| (ray(from), f32::INFINITY))
+                } else {
+                    1.0
+                }
             }
             _ => 1.0,
         }
     }
 
-    /// Share of the light that gets from a surface to a point in free space.
+    /// Share of the light that what stands between a surface and a point in free space lets through.
     pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
-        let origin = from.offset(to - from.position);
-        if self.surfaces.occluded(origin, to) { self.through_holes(origin, to) } else { 1.0 }
+        let to_light = to - from.position;
+        let nothing = Illumination { to_light, irradiance: Spectrum::ZERO, pdf: None, target: Some(to) };
+        self.visibility(from, &nothing)
     }
 
-    fn through_holes(&self, from: Vec3, to: Vec3) -> f32 {
-        let distance = (to - from).length();
-        self.through_holes_of(Ray { origin: from, direction: (to - from) / distance }, distance * (1.0 - 1e-6))
-    }
-
-    /// Share of the light along a ray, of which it is known that something stands in its way, that comes through holes.
-    fn through_holes_of(&self, mut ray: Ray, mut distance: f32) -> f32 {
+    /// Share of light that comes through holes, where it is known that something stands in its way. `rest` is the ray
+    /// that is left from a point on the way, with its length.
+    fn through_holes(&self, mut from: Vec3, rest: impl Fn(Vec3) -> (Ray, f32)) -> f32 {
         let mut share = 1.0;
         while self.holes && share > 0.0 {
+            let (ray, distance) = rest(from);
             let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
             let surface = self.surfaces.surface(&ray, &hit);
             let front = surface.shading_normal.dot(ray.direction) < 0.0;
             let material = self.shapes[hit.shape as usize].material;
             share *= self.materials.bsdf(material, &Lookup::point(surface.uv), front).holes();
-            distance -= hit.distance;
-            ray = surface.spawn(ray.direction);
+            from = surface.offset(ray.direction);
         }
         0.0
     }
