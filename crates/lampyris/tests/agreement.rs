@@ -112,6 +112,24 @@ fn on_a_box_lit_by_a_square_lamp() {
     assert_agreement("area", &room("", &[WALLS, BALL, lamp]));
 }
 
+/// A lamp that shines up and down, in squares.
+#[test]
+fn on_a_box_lit_by_a_textured_lamp_of_two_sides() {
+    let lamp = "
+        [textures.squares]
+        type = 'checkerboard'
+        color0 = [1, 0.2, 0]
+        color1 = [0, 0.3, 0.9]
+        to-uv = [{ scale = 1.5 }]
+        [[shapes]]
+        type = 'quad'
+        corner = [-0.3, 0.5, -0.3]
+        u = [0.6, 0, 0]
+        v = [0, 0, 0.6]
+        emission = { radiance = 'squares', scale = 9, two-sided = true }\n";
+    assert_agreement("textured lamp", &room("", &[WALLS, BALL, lamp]));
+}
+
 #[test]
 fn on_a_box_lit_by_a_ball_and_a_cylinder() {
     let lamps = "
@@ -165,6 +183,43 @@ fn on_a_floor_in_parallel_light() {
 fn on_a_floor_under_the_sky() {
     let sky = "{ type = 'constant', radiance = [1, 2, 3] }";
     assert_agreement("sky", &room(sky, &[FLOOR, WHITE, BALL]));
+}
+
+#[test]
+fn on_a_floor_under_a_picture_of_the_sky() {
+    for (file, turn) in
+        [("oblong", "{ rotate = { axis = [1, 0, 0], degrees = 30 } }"), ("square", "{ scale = [1, 1, -1] }")]
+    {
+        let mapping = if file == "square" { "equal-area" } else { "lat-long" };
+        let sky = format!("{{ type = 'environment', file = '{file}', mapping = '{mapping}', transform = [{turn}] }}");
+        assert_agreement(file, &room(&sky, &[FLOOR, WHITE, BALL]));
+    }
+}
+
+#[test]
+fn on_a_floor_in_the_afternoon() {
+    let sky = "{ type = 'sky', sun-direction = [1, 1, -0.5], sun-scale = 0.1, sun-angle = 20 }";
+    assert_agreement("sky and sun", &room(sky, &[FLOOR, WHITE, BALL]));
+}
+
+#[test]
+fn on_a_box_with_a_projector() {
+    let board = "textures = { board = { type = 'checkerboard', color0 = [1, 0.5, 0.2], color1 = 0.1 } }\n";
+    let projector = "{ type = 'projector', position = [-0.4, 0.7, 0.3], target = [0.1, -1, 0], up = [1, 0.2, 0],
+                      texture = 'board', aspect = 1.5, fov = 70, scale = [3, 2, 4] }";
+    assert_agreement("projector", &(board.to_string() + &room(projector, &[WALLS, BALL])));
+}
+
+#[test]
+fn on_a_box_with_a_wide_beam() {
+    let beam = "{ type = 'beam', position = [-0.4, 0.7, 0.3], direction = [0.5, -1.7, -0.3], radius = 0.25, power = [1, 2, 3] }";
+    assert_agreement("beam", &room(beam, &[WALLS, BALL]));
+}
+
+#[test]
+fn through_an_orthographic_camera() {
+    let text = room(POINT, &[WALLS, BALL]);
+    assert_agreement("orthographic", &text.replace("fov = 40", "projection = 'orthographic', width = 1.1"));
 }
 
 #[test]

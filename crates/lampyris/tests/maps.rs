@@ -11,6 +11,7 @@ use lampyris::error::{Error, Result};
 use lampyris::geometry::{MeshData, Ray};
 use lampyris::image::Image;
 use lampyris::scene::{Assets, build};
+use lampyris::texture::Raster;
 
 /// Pictures that need no files.
 struct Pictures;
@@ -20,7 +21,7 @@ impl Assets for Pictures {
         Err(Error::new("there are no meshes"))
     }
 
-    fn image(&self, file: &str, _: bool) -> Result<Arc<Image>> {
+    fn picture(&self, file: &str, _: bool) -> Result<Arc<Raster>> {
         let image = match file {
             "normal" => Image::from_pixels(1, 1, vec![[0.75, 0.4, 0.85]]),
             "heights" => {
@@ -35,7 +36,7 @@ impl Assets for Pictures {
                 Image::from_pixels(32, 32, pixels)
             }
         };
-        Ok(Arc::new(image.expect("pixels")))
+        Ok(Arc::new(image.and_then(Raster::of_image).expect("pixels")))
     }
 }
 

@@ -1,14 +1,15 @@
-//! The camera: a pinhole or a thin lens, spanned by three vectors as the course writes it.
+//! The camera: a pinhole, a thin lens or parallel rays, spanned by three vectors as the course writes it.
 
 use glam::{Mat3, Vec2, Vec3};
 
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::math::warp;
 
 /// A camera with its picture in pixels: (0, 0) is the top left corner of the picture, x goes right, y down.
 ///
 /// The picture's points are `origin + forward + a·left + b·up`, a and b from -1 to 1. A pixel's value is the mean of
-/// the radiance over its area in the picture, and over the lens.
+/// the radiance over its area in the picture, and over the lens. An orthographic camera's rays are parallel to `forward`
+/// and start at `origin + a·left + b·up`.
 #[derive(Clone, Debug)]
 pub struct Camera {
     origin: Vec3,
@@ -22,7 +23,15 @@ pub struct Camera {
     depth: f32,
     /// Area of a pixel in the picture plane.
     pixel_area: f32,
-    lens: Lens,
+    opening: Opening,
+}
+
+/// Through what rays enter a camera.
+#[derive(Clone, Copy, Debug)]
+enum Opening {
+    Lens(Lens),
+    /// The picture itself, all rays parallel.
+    Parallel,
 }
 
 /// The opening of a camera.
@@ -59,6 +68,16 @@ impl Camera {
         lens_radius: f32,
         focus_distance: f32,
     ) -> Option<Camera> {
+        let camera = Camera::orthographic(origin, [left, up, forward], [width, height])?;
+        let x = left.normalize();
+        let lens = Lens { radius: lens_radius, x, y: camera.normal.cross(x), focus: focus_distance / camera.depth };
+        Some(Camera { opening: Opening::Lens(lens), ..camera })
+    }
+
+    /// An orthographic camera, whose half picture is `left` wide and `up` high.
+    ///
+    /// None if `left`, `up` and `forward` lie in a plane.
+    pub fn orthographic(origin: Vec3, [left, up, forward]: [Vec3; 3], [width, height]: [u32; 2]) -> Option<Camera> {
         let axes = Mat3::from_cols(left, up, forward);
         let volume = left.cross(up).dot(forward).abs();
         // Compared with the product of the lengths, so that no unit comes into it. False for NaN, too.
@@ -71,32 +90,39 @@ impl Camera {
         let depth = normal.dot(forward);
         let size = Vec2::new(width as f32, height as f32);
         let pixel_area = 4.0 * left.cross(up).length() / (size.x * size.y);
-        let x = left.normalize();
-        let lens = Lens { radius: lens_radius, x, y: normal.cross(x), focus: focus_distance / depth };
-        Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, lens })
+        let opening = Opening::Parallel;
+        Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, opening })
     }
 
     /// The ray through a point of the picture, in pixels, and a point of the unit square for the lens.
     pub fn ray(&self, pixel: Vec2, lens: Vec2) -> Ray {
         let across = Vec2::ONE - 2.0 * pixel / self.size;
-        let through = self.axes * across.extend(1.0);
-        if self.lens.radius == 0.0 {
-            return Ray { origin: self.origin, direction: through.normalize() };
+        match &self.opening {
+            Opening::Parallel => {
+                Ray { origin: self.origin + self.axes * across.extend(0.0), direction: self.axes.z_axis.normalize() }
+            }
+            Opening::Lens(opening) => {
+                let through = self.axes * across.extend(1.0);
+                let on_lens = opening.at(lens);
+                Ray { origin: self.origin + on_lens, direction: (through * opening.focus - on_lens).normalize() }
+            }
         }
-        let on_lens = self.on_lens(lens);
-        Ray { origin: self.origin + on_lens, direction: (through * self.lens.focus - on_lens).normalize() }
     }
 
     /// The point `at` as seen through a point of the lens; none from behind the camera.
     pub fn see(&self, at: Vec3, lens: Vec2) -> Option<Seen> {
-        let on_lens = self.on_lens(lens);
+        let opening = match &self.opening {
+            Opening::Lens(opening) => opening,
+            Opening::Parallel => return self.see_in_parallel(at),
+        };
+        let on_lens = opening.at(lens);
         let to_point = at - self.origin - on_lens;
         let along = self.normal.dot(to_point);
         if along <= 0.0 {
             return None;
         }
         // Where the ray from the lens to the point meets the plane in focus, from the middle of the lens.
-        let focus_depth = self.depth * self.lens.focus;
+        let focus_depth = self.depth * opening.focus;
         let on_ray = to_point * (focus_depth / along);
         let in_focus = on_lens + on_ray;
         let local = self.inverse * in_focus;
@@ -104,7 +130,7 @@ impl Camera {
         // A pixel's area in the plane in focus, seen from the lens: dω = area · cos / distance².
         let distance2 = on_ray.length_squared();
         let cos = focus_depth / distance2.sqrt();
-        let area = self.pixel_area * self.lens.focus * self.lens.focus;
+        let area = self.pixel_area * opening.focus * opening.focus;
         let per_solid_angle = distance2 / (area * cos);
         Some(Seen {
             pixel: 0.5 * (Vec2::ONE - across) * self.size,
@@ -113,17 +139,42 @@ impl Camera {
         })
     }
 
+    /// What a ray of the camera stands for: a pixel in the middle of the picture, as wide as it is high. What a lens
+    /// blurs is left to the samples.
+    pub fn cone(&self) -> Cone {
+        let side = self.pixel_area.sqrt();
+        match self.opening {
+            Opening::Lens(_) => Cone { width: 0.0, spread: side / self.depth },
+            Opening::Parallel => Cone { width: side, spread: 0.0 },
+        }
+    }
+
     /// Where the pinhole or the middle of the lens is.
     pub fn origin(&self) -> Vec3 {
         self.origin
     }
 
-    fn on_lens(&self, lens: Vec2) -> Vec3 {
-        if self.lens.radius == 0.0 {
+    fn see_in_parallel(&self, at: Vec3) -> Option<Seen> {
+        let local = self.inverse * (at - self.origin);
+        let across = Vec2::new(local.x, local.y);
+        // A surface's area, seen along the rays, is as large as its shadow on a plane across them.
+        let cos = self.depth / self.axes.z_axis.length();
+        (local.z > 0.0).then(|| Seen {
+            pixel: 0.5 * (Vec2::ONE - across) * self.size,
+            lens: self.origin + self.axes * across.extend(0.0),
+            importance: 1.0 / (self.pixel_area * cos),
+        })
+    }
+}
+
+impl Lens {
+    /// The point of the lens, from its middle, on which a point of the unit square falls.
+    fn at(&self, u: Vec2) -> Vec3 {
+        if self.radius == 0.0 {
             return Vec3::ZERO;
         }
-        let p = warp::disk(lens) * self.lens.radius;
-        self.lens.x * p.x + self.lens.y * p.y
+        let p = warp::disk(u) * self.radius;
+        self.x * p.x + self.y * p.y
     }
 }
 
@@ -152,6 +203,22 @@ mod tests {
                 assert!((seen.pixel - pixel).length() < 1e-2, "{:?}", seen.pixel);
             }
         }
+    }
+
+    #[test]
+    fn parallel_rays_see_what_they_meet_and_a_lit_wall_at_its_radiance() {
+        // Skewed on purpose: the rays do not run along the normal of the picture.
+        let axes = [Vec3::new(-2.0, 0.0, 0.0), Vec3::new(0.5, 1.0, 0.0), Vec3::new(0.4, 0.2, 1.0)];
+        let camera = Camera::orthographic(Vec3::new(1.0, 2.0, -3.0), axes, [40, 20]).expect("a good camera");
+        let ray = camera.ray(Vec2::new(7.25, 15.5), Vec2::ZERO);
+        let seen = camera.see(ray.at(5.0), Vec2::ZERO).expect("in front of the camera");
+        assert!((seen.pixel - Vec2::new(7.25, 15.5)).length() < 1e-3 && (seen.lens - ray.origin).length() < 1e-5);
+        assert!(camera.see(ray.at(-1.0), Vec2::ZERO).is_none());
+        // What a pixel sees of a wall parallel to the picture is as large as the pixel; of radiance 1, its intensity along
+        // the rays is area · cos.
+        let area = 2.0 * 2.0 * 2.0 * 1.0 / (40.0 * 20.0);
+        let cos = ray.direction.z;
+        assert!((seen.importance * area * cos - 1.0).abs() < 1e-5);
     }
 
     #[test]

@@ -1,23 +1,26 @@
 //! Triangles.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Mat4, Vec2, Vec3};
 
-use super::{Bounds, MeshData, RELATIVE_ERROR, Ray, Surface};
+use rayon::prelude::*;
+
+use super::{Bounds, MeshData, RELATIVE_ERROR, Surface};
 use crate::math::{Distribution, Frame, warp};
 
 /// A triangle mesh in world coordinates.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     data: Arc<MeshData>,
-    by_area: Distribution,
+    /// Only of meshes of which points are sampled.
+    by_area: OnceLock<Distribution>,
     area: f32,
+    bounds: Bounds,
 }
 
-/// A triangle as rays meet it.
 #[derive(Clone, Copy, Debug)]
-pub struct Triangle {
+struct Triangle {
     corner: Vec3,
     edges: [Vec3; 2],
 }
@@ -27,8 +30,10 @@ impl Mesh {
     /// [fault](MeshData::fault).
     pub fn new(data: &Arc<MeshData>, transform: &Mat4) -> Mesh {
         let data = if *transform == Mat4::IDENTITY { Arc::clone(data) } else { Arc::new(transformed(data, transform)) };
-        let areas: Vec<f64> = (0..data.triangles.len()).map(|i| f64::from(triangle(&data, i).area())).collect();
-        Mesh { by_area: Distribution::new(&areas), area: areas.iter().sum::<f64>() as f32, data }
+        let parts: Vec<(f64, Bounds)> = data.triangles.par_chunks(1 << 16).map(|part| extent(&data, part)).collect();
+        let (area, bounds) =
+            parts.into_iter().fold((0.0, Bounds::EMPTY), |sum, part| (sum.0 + part.0, sum.1.union(part.1)));
+        Mesh { data, by_area: OnceLock::new(), area: area as f32, bounds }
     }
 
     /// Number of triangles.
@@ -41,14 +46,19 @@ impl Mesh {
         self.data.triangles.is_empty()
     }
 
-    /// Triangle number `index`.
-    pub fn triangle(&self, index: usize) -> Triangle {
-        triangle(&self.data, index)
+    /// The positions of the three corners of triangle number `index`.
+    pub fn corners(&self, index: usize) -> [[f32; 3]; 3] {
+        corners(&self.data, self.data.triangles[index])
+    }
+
+    /// The box around the triangles.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
     }
 
     /// The surface on triangle `index` at the barycentric coordinates of its second and third corner.
     pub fn surface(&self, index: usize, barycentric: Vec2) -> Surface {
-        let triangle = self.triangle(index);
+        let triangle = Triangle::new(self.corners(index));
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
         let corners = self.data.triangles[index].map(|corner| corner as usize);
         let [e1, e2] = triangle.edges;
@@ -71,10 +81,20 @@ impl Mesh {
         Surface { position, normal, shading_normal, uv, error }
     }
 
+    /// The colour of the vertices of triangle `index` at these barycentric coordinates, linear RGB; none in a mesh
+    /// without colours.
+    pub fn color(&self, index: usize, barycentric: Vec2) -> Option<[f32; 3]> {
+        if self.data.colors.is_empty() {
+            return None;
+        }
+        let [a, b, c] = self.data.triangles[index].map(|corner| Vec3::from_array(self.data.colors[corner as usize]));
+        Some((a * (1.0 - barycentric.x - barycentric.y) + b * barycentric.x + c * barycentric.y).to_array())
+    }
+
     /// How the position changes with either texture coordinate on triangle `index`. Where the mesh has none they are the
     /// barycentric coordinates; where they do not span the triangle, any two vectors in its plane.
     pub fn partials(&self, index: usize) -> (Vec3, Vec3) {
-        let Triangle { edges: [e1, e2], .. } = self.triangle(index);
+        let Triangle { edges: [e1, e2], .. } = Triangle::new(self.corners(index));
         if self.data.uvs.is_empty() {
             return (e1, e2);
         }
@@ -97,32 +117,17 @@ impl Mesh {
 
     /// A point uniform by area.
     pub fn sample(&self, u: Vec2) -> Surface {
-        let (index, _, rest) = self.by_area.sample(u.x);
+        let areas = || self.data.triangles.iter().map(|&t| Triangle::new(corners(&self.data, t)).area());
+        let by_area = self.by_area.get_or_init(|| Distribution::new(&areas().map(f64::from).collect::<Vec<_>>()));
+        let (index, _, rest) = by_area.sample(u.x);
         self.surface(index, warp::triangle(Vec2::new(rest, u.y)))
     }
 }
 
 impl Triangle {
-    /// Distance and barycentric coordinates of where the ray meets it before `max` [Möller & Trumbore 1997].
-    #[inline]
-    pub fn intersect(&self, ray: &Ray, max: f32) -> Option<(f32, Vec2)> {
-        let [e1, e2] = self.edges;
-        let p = ray.direction.cross(e2);
-        let inverse = 1.0 / e1.dot(p);
-        let to_origin = ray.origin - self.corner;
-        let u = to_origin.dot(p) * inverse;
-        let q = to_origin.cross(e1);
-        let v = ray.direction.dot(q) * inverse;
-        let distance = e2.dot(q) * inverse;
-        // False for a NaN from a degenerate triangle, too.
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < max;
-        inside.then_some((distance, Vec2::new(u, v)))
-    }
-
-    /// The box around it.
-    pub fn bounds(&self) -> Bounds {
-        let [e1, e2] = self.edges;
-        Bounds::around([self.corner, self.corner + e1, self.corner + e2])
+    fn new(corners: [[f32; 3]; 3]) -> Triangle {
+        let [a, b, c] = corners.map(Vec3::from_array);
+        Triangle { corner: a, edges: [b - a, c - a] }
     }
 
     fn area(&self) -> f32 {
@@ -130,9 +135,17 @@ impl Triangle {
     }
 }
 
-fn triangle(data: &MeshData, index: usize) -> Triangle {
-    let [a, b, c] = data.triangles[index].map(|corner| Vec3::from_array(data.positions[corner as usize]));
-    Triangle { corner: a, edges: [b - a, c - a] }
+fn corners(data: &MeshData, triangle: [u32; 3]) -> [[f32; 3]; 3] {
+    triangle.map(|corner| data.positions[corner as usize])
+}
+
+/// The area of some triangles, and the box around them.
+fn extent(data: &MeshData, triangles: &[[u32; 3]]) -> (f64, Bounds) {
+    triangles.iter().fold((0.0, Bounds::EMPTY), |(area, bounds), &triangle| {
+        let corners = corners(data, triangle);
+        let here = Bounds::around(corners.map(Vec3::from_array));
+        (area + f64::from(Triangle::new(corners).area()), bounds.union(here))
+    })
 }
 
 fn transformed(data: &MeshData, transform: &Mat4) -> MeshData {

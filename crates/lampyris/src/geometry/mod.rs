@@ -1,9 +1,12 @@
 //! Surfaces as geometry alone: where a ray meets them, where points on them are.
 
 mod bounds;
+mod bvh;
 mod cylinder;
 mod disk;
 mod flat;
+mod instance;
+mod level;
 mod mesh;
 mod mesh_data;
 mod plane;
@@ -12,18 +15,21 @@ mod ray;
 mod shape;
 mod sphere;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 
 pub use bounds::Bounds;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
-pub use mesh::{Mesh, Triangle};
+pub use level::TreeStatistics;
+pub use mesh::Mesh;
 pub use mesh_data::MeshData;
 pub use plane::Plane;
 pub use quad::Quad;
-pub use ray::{Ray, Surface};
+pub use ray::{Cone, Ray, Surface};
 pub use shape::Shape;
 pub use sphere::Sphere;
-pub use surfaces::{Hit, Surfaces, SurfacesBuilder};
+pub use surfaces::{GroupId, Hit, Surfaces, SurfacesBuilder};
 
 /// How far rounding can put a computed surface point off its surface, relative to the size of the coordinates that
 /// it was computed from: sixteen units in the last place. Everything that is derived from it scales with the scene.

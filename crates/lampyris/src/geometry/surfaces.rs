@@ -1,29 +1,21 @@
-//! All shapes of a scene, and the structure that finds the one a ray meets first.
+//! All shapes of a scene, and the structures that find the one a ray meets first.
 
-use std::time::Duration;
+use std::ops::Range;
 
-use glam::{Vec2, Vec3, Vec3A};
-use obvhs::aabb::Aabb;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::ray::RayHit;
-use obvhs::{Boundable, BvhBuildParams};
+use glam::{Mat4, Vec2, Vec3};
 
-use super::{Bounds, Ray, Shape, Surface, Triangle};
-
-/// Up to this many curved and flat shapes are tried one after the other, which is faster than a tree.
-const FEW: usize = 16;
+use super::instance::Placement;
+use super::level::{Item, Items, Level, TreeStatistics, TriangleHit};
+use super::{Bounds, Ray, Shape, Surface};
 
 /// The shapes of a scene, ready for rays.
 #[derive(Debug)]
 pub struct Surfaces {
     shapes: Vec<PlacedShape>,
-    /// Shapes without triangles that every ray tries: the infinite ones, and all if there are few.
-    tried: Vec<u32>,
-    /// The other shapes without triangles.
-    grouped: Option<Tree<u32>>,
-    triangles: Option<Tree<SceneTriangle>>,
-    bounds: Bounds,
+    world: Level,
+    /// Each in its own coordinates.
+    groups: Vec<Level>,
+    instances: Vec<Instance>,
 }
 
 #[derive(Debug)]
@@ -32,71 +24,90 @@ struct PlacedShape {
     flip_normal: bool,
 }
 
-/// A triangle of one of the scene's meshes.
-#[derive(Clone, Copy, Debug)]
-struct SceneTriangle {
-    triangle: Triangle,
-    shape: u32,
-    index: u32,
+/// A group at one of its places.
+#[derive(Debug)]
+struct Instance {
+    group: u32,
+    placement: Placement,
 }
 
-/// A bounding volume hierarchy over `T`, which lie in the order of its leaves.
-#[derive(Debug)]
-struct Tree<T> {
-    bvh: CwBvh,
-    leaves: Vec<T>,
-}
+/// The number of a group of shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroupId(u32);
 
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Along the ray, in scene units.
     pub distance: f32,
-    /// Number of the shape, in the order they were added.
+    /// Number of the shape, in the order they were added; in an instance that of the group's shape.
     pub shape: u32,
-    triangle: u32,
-    barycentric: Vec2,
+    pub(super) instance: Option<u32>,
+    pub(super) triangle: u32,
+    pub(super) barycentric: Vec2,
 }
 
 /// Collects shapes for [`Surfaces`].
 #[derive(Debug, Default)]
 pub struct SurfacesBuilder {
     shapes: Vec<PlacedShape>,
+    /// Numbers of the shapes that are in no group.
+    world: Vec<u32>,
+    groups: Vec<Range<u32>>,
+    instances: Vec<Instance>,
 }
 
 impl SurfacesBuilder {
     /// Adds a shape and returns its number.
     pub fn add(&mut self, shape: Shape, flip_normal: bool) -> u32 {
+        let number = self.shapes.len() as u32;
         self.shapes.push(PlacedShape { shape, flip_normal });
-        (self.shapes.len() - 1) as u32
+        self.world.push(number);
+        number
     }
 
-    /// The shapes with their acceleration structure.
+    /// Adds shapes, each with whether its normal is flipped, that are seen only where [instances] put their group.
+    /// They are numbered on from the last shape, in their order.
+    ///
+    /// [instances]: SurfacesBuilder::add_instance
+    pub fn add_group(&mut self, shapes: impl IntoIterator<Item = (Shape, bool)>) -> GroupId {
+        let first = self.shapes.len() as u32;
+        self.shapes.extend(shapes.into_iter().map(|(shape, flip_normal)| PlacedShape { shape, flip_normal }));
+        self.groups.push(first..self.shapes.len() as u32);
+        GroupId((self.groups.len() - 1) as u32)
+    }
+
+    /// Puts a group into the world by an affine transform, which must not be singular.
+    pub fn add_instance(&mut self, group: GroupId, to_world: &Mat4) {
+        self.instances.push(Instance { group: group.0, placement: Placement::new(to_world) });
+    }
+
+    /// The shapes with their acceleration structures.
     pub fn build(self) -> Surfaces {
-        let numbered = || self.shapes.iter().enumerate().map(|(number, placed)| (number as u32, &placed.shape));
-        let (infinite, finite): (Vec<_>, Vec<_>) = numbered()
-            .filter(|(_, shape)| !matches!(shape, Shape::Mesh(_)))
-            .map(|(number, shape)| (number, shape.bounds()))
-            .partition(|(_, bounds)| bounds.is_none());
-        let mut tried: Vec<u32> = infinite.into_iter().map(|(number, _)| number).collect();
-        let grouped = if finite.len() > FEW {
-            Tree::build(finite.iter().filter_map(|&(number, bounds)| Some((number, bounds?))).collect())
-        } else {
-            tried.extend(finite.iter().map(|(number, _)| number));
-            None
+        let groups: Vec<Level> = self.groups.iter().map(|group| self.level(group.clone(), Vec::new())).collect();
+        let instance = |(number, instance): (u32, &Instance)| {
+            let infinite = self.groups[instance.group as usize].clone().any(|shape| self.bounds(shape).is_none());
+            let bounds = instance.placement.bounds_to_world(groups[instance.group as usize].bounds());
+            (Item::Instance(number), (!infinite).then_some(bounds))
         };
-        let triangles = numbered().flat_map(|(shape, geometry)| {
-            let mesh = if let Shape::Mesh(mesh) = geometry { Some(mesh) } else { None };
-            mesh.into_iter().flat_map(move |mesh| {
-                (0..mesh.len()).map(move |index| {
-                    let triangle = mesh.triangle(index);
-                    (SceneTriangle { triangle, shape, index: index as u32 }, triangle.bounds())
-                })
-            })
-        });
-        let triangles = Tree::build(triangles.collect());
-        let bounds = numbered().filter_map(|(_, shape)| shape.bounds()).fold(Bounds::EMPTY, Bounds::union);
-        Surfaces { tried, grouped, triangles, bounds, shapes: self.shapes }
+        let instances = (0..).zip(&self.instances).map(instance).collect();
+        let world = self.level(self.world.iter().copied(), instances);
+        Surfaces { world, groups, shapes: self.shapes, instances: self.instances }
+    }
+
+    fn level(&self, shapes: impl Iterator<Item = u32>, mut items: Vec<(Item, Option<Bounds>)>) -> Level {
+        let mut meshes = Vec::new();
+        for number in shapes {
+            match &self.shapes[number as usize].shape {
+                Shape::Mesh(mesh) => meshes.push((number, mesh)),
+                _ => items.push((Item::Shape(number), self.bounds(number))),
+            }
+        }
+        Level::build(&items, &meshes)
+    }
+
+    fn bounds(&self, shape: u32) -> Option<Bounds> {
+        self.shapes[shape as usize].shape.bounds()
     }
 }
 
@@ -104,30 +115,18 @@ impl Surfaces {
     /// The first shape that the ray meets before `max`.
     #[inline]
     pub fn closest(&self, ray: &Ray, max: f32) -> Option<Hit> {
-        let mut closest = None;
-        let mut max = max;
-        for &shape in &self.tried {
-            if let Some(distance) = self.shapes[shape as usize].shape.intersect(ray, max) {
-                max = distance;
-                closest = Some(Hit { distance, shape, triangle: 0, barycentric: Vec2::ZERO });
+        self.closest_in(&self.world, ray, max)
+    }
+
+    #[inline]
+    fn closest_in(&self, level: &Level, ray: &Ray, max: f32) -> Option<Hit> {
+        let mut items = Asked { surfaces: self, ray, closest: None };
+        match level.closest(ray, max, &mut items) {
+            Some(TriangleHit { distance, shape, triangle, barycentric }) => {
+                Some(Hit { distance, shape, instance: None, triangle, barycentric })
             }
+            None => items.closest,
         }
-        if let Some(tree) = &self.grouped {
-            tree.closest(ray, max, |&shape, max| {
-                let distance = self.shapes[shape as usize].shape.intersect(ray, max)?;
-                closest = Some(Hit { distance, shape, triangle: 0, barycentric: Vec2::ZERO });
-                Some(distance)
-            });
-            max = closest.map_or(max, |hit: Hit| hit.distance);
-        }
-        if let Some(tree) = &self.triangles {
-            tree.closest(ray, max, |&SceneTriangle { triangle, shape, index }, max| {
-                let (distance, barycentric) = triangle.intersect(ray, max)?;
-                closest = Some(Hit { distance, shape, triangle: index, barycentric });
-                Some(distance)
-            });
-        }
-        closest
     }
 
     /// Whether anything stands between two points that were moved off their surfaces.
@@ -145,27 +144,59 @@ impl Surfaces {
     /// Whether the ray meets anything before `max`.
     #[inline]
     pub fn blocked(&self, ray: &Ray, max: f32) -> bool {
-        self.tried.iter().any(|&shape| self.shapes[shape as usize].shape.intersect(ray, max).is_some())
-            || self.grouped.as_ref().is_some_and(|tree| {
-                tree.any(ray, max, |&shape, max| self.shapes[shape as usize].shape.intersect(ray, max))
-            })
-            || self
-                .triangles
-                .as_ref()
-                .is_some_and(|tree| tree.any(ray, max, |leaf, max| Some(leaf.triangle.intersect(ray, max)?.0)))
+        self.blocked_in(&self.world, ray, max)
+    }
+
+    #[inline]
+    fn blocked_in(&self, level: &Level, ray: &Ray, max: f32) -> bool {
+        level.any(ray, max, &mut Asked { surfaces: self, ray, closest: None })
     }
 
     /// The surface that a ray hit.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let placed = &self.shapes[hit.shape as usize];
-        placed.oriented(placed.shape.surface(ray, hit.distance, hit.triangle, hit.barycentric))
+        let surface =
+            |ray: &Ray| placed.oriented(placed.shape.surface(ray, hit.distance, hit.triangle, hit.barycentric));
+        match hit.instance {
+            None => surface(ray),
+            Some(number) => {
+                let placement = &self.instances[number as usize].placement;
+                placement.surface_to_world(&surface(&placement.ray_to_local(ray)))
+            }
+        }
     }
 
     /// How the position changes with either texture coordinate (∂p/∂u, ∂p/∂v) where a ray hit: the tangents of normal
     /// maps and of anisotropy, in the world. Zero where all values of a coordinate meet, as at the poles of a sphere.
     pub fn partials(&self, hit: &Hit, surface: &Surface) -> (Vec3, Vec3) {
-        self.shapes[hit.shape as usize].shape.partials(surface.uv, hit.triangle)
+        let (along_u, along_v) = self.shapes[hit.shape as usize].shape.partials(surface.uv, hit.triangle);
+        let Some(instance) = hit.instance else { return (along_u, along_v) };
+        let placement = &self.instances[instance as usize].placement;
+        (placement.vector_to_world(along_u), placement.vector_to_world(along_v))
+    }
+
+    /// The same, traced with what every processor has.
+    #[cfg(test)]
+    pub(super) fn portable(mut self) -> Surfaces {
+        self.groups.iter_mut().chain([&mut self.world]).for_each(Level::make_portable);
+        self
+    }
+
+    /// How much there is in the acceleration structures.
+    pub fn statistics(&self) -> TreeStatistics {
+        let all = self.groups.iter().chain([&self.world]).map(Level::statistics);
+        all.fold(TreeStatistics::default(), |sum, level| TreeStatistics {
+            triangles: sum.triangles + level.triangles,
+            packets: sum.packets + level.packets,
+            bytes: sum.bytes + level.bytes,
+            cost: if level.triangles > sum.triangles { level.cost } else { sum.cost },
+        })
+    }
+
+    /// The colour that the vertices around a hit give it, linear RGB; none without such colours.
+    pub fn vertex_color(&self, hit: &Hit) -> Option<[f32; 3]> {
+        self.shapes[hit.shape as usize].shape.vertex_color(hit.triangle, hit.barycentric)
     }
 
     /// A point uniform by area on a shape; none on an infinite plane.
@@ -211,7 +242,7 @@ impl Surfaces {
 
     /// The box around all that is finite.
     pub fn bounds(&self) -> Bounds {
-        self.bounds
+        self.world.bounds()
     }
 
     /// The shapes' geometries, in the order they were added.
@@ -231,52 +262,42 @@ impl PlacedShape {
     }
 }
 
-impl<T: Copy> Tree<T> {
-    /// None over nothing.
-    fn build(items: Vec<(T, Bounds)>) -> Option<Tree<T>> {
-        if items.is_empty() {
-            return None;
+/// The items of a level as one ray asks for them.
+struct Asked<'a> {
+    surfaces: &'a Surfaces,
+    ray: &'a Ray,
+    closest: Option<Hit>,
+}
+
+impl Items for Asked<'_> {
+    #[inline]
+    fn closest(&mut self, item: Item, max: f32) -> Option<f32> {
+        let hit = match item {
+            Item::Shape(shape) => {
+                let distance = self.surfaces.shapes[shape as usize].shape.intersect(self.ray, max)?;
+                Hit { distance, shape, instance: None, triangle: 0, barycentric: Vec2::ZERO }
+            }
+            Item::Instance(number) => {
+                let Instance { group, placement } = &self.surfaces.instances[number as usize];
+                let level = &self.surfaces.groups[*group as usize];
+                let hit = self.surfaces.closest_in(level, &placement.ray_to_local(self.ray), max)?;
+                Hit { instance: Some(number), ..hit }
+            }
+        };
+        self.closest = Some(hit);
+        Some(hit.distance)
+    }
+
+    #[inline]
+    fn any(&self, item: Item, max: f32) -> bool {
+        match item {
+            Item::Shape(shape) => self.surfaces.shapes[shape as usize].shape.intersect(self.ray, max).is_some(),
+            Item::Instance(number) => {
+                let Instance { group, placement } = &self.surfaces.instances[number as usize];
+                let level = &self.surfaces.groups[*group as usize];
+                self.surfaces.blocked_in(level, &placement.ray_to_local(self.ray), max)
+            }
         }
-        let boxes: Vec<Boxed> = items.iter().map(|(_, bounds)| Boxed(*bounds)).collect();
-        let bvh = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let leaves = bvh.primitive_indices.iter().map(|&index| items[index as usize].0).collect();
-        Some(Tree { bvh, leaves })
-    }
-
-    /// Calls `meet` with leaves near the ray and the distance up to which they matter, which shrinks as it answers.
-    #[inline]
-    fn closest(&self, ray: &Ray, max: f32, mut meet: impl FnMut(&T, f32) -> Option<f32>) {
-        let mut nearest = RayHit::none();
-        self.bvh.ray_traverse(obvhs_ray(ray, max), &mut nearest, |ray, leaf| {
-            meet(&self.leaves[leaf], ray.tmax / STEPS).map_or(f32::INFINITY, |distance| distance * STEPS)
-        });
-    }
-
-    /// Whether `meet` finds any leaf before `max`.
-    #[inline]
-    fn any(&self, ray: &Ray, max: f32, meet: impl Fn(&T, f32) -> Option<f32>) -> bool {
-        !self.bvh.ray_traverse_miss(obvhs_ray(ray, max), |ray, leaf| {
-            meet(&self.leaves[leaf], ray.tmax / STEPS).map_or(f32::INFINITY, |distance| distance * STEPS)
-        })
-    }
-}
-
-/// The tree passes over boxes that end within 0.0001 of a ray's origin, a length that would let light leak through the
-/// corners of any scene and through all of a small one. It is told of distances in steps, of which there are so many to
-/// a scene unit that this is nothing; a power of two, so that no bit of a distance is lost.
-const STEPS: f32 = (1_u64 << 40) as f32;
-
-fn obvhs_ray(ray: &Ray, max: f32) -> obvhs::ray::Ray {
-    let with_unit_steps = obvhs::ray::Ray::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), 0.0, max * STEPS);
-    let inv_direction = with_unit_steps.inv_direction * STEPS;
-    obvhs::ray::Ray { direction: with_unit_steps.direction / STEPS, inv_direction, ..with_unit_steps }
-}
-
-struct Boxed(Bounds);
-
-impl Boundable for Boxed {
-    fn aabb(&self) -> Aabb {
-        Aabb::new(Vec3A::from(self.0.min), Vec3A::from(self.0.max))
     }
 }
 
@@ -286,6 +307,7 @@ mod tests {
 
     use glam::{Mat3, Mat4, Vec3};
 
+    use super::super::level::FEW;
     use super::super::{Mesh, MeshData, Sphere};
     use super::*;
 

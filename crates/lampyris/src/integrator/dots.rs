@@ -14,7 +14,7 @@ pub(super) fn draw(scene: &Scene, film: &FilmDescription, map: &PhotonMap, shown
     let count = map.photons().len().max(1) as f32;
     let mean = map.photons().iter().map(|photon| photon.flux.max() / count).sum::<f32>();
     for photon in map.photons().iter().filter(|photon| shown(photon)) {
-        let Some(seen) = scene.camera().see(photon.position, Vec2::splat(0.5)) else { continue };
+        let Some(seen) = scene.seen_by_camera(photon.position, Vec2::splat(0.5)) else { continue };
         let Some(pixel) = film.pixel_number(seen.pixel) else { continue };
         // Off the surface by more than rounding, less than can be seen.
         let position = photon.position + photon.normal * (1e-5 * photon.position.distance(seen.lens));

@@ -39,7 +39,7 @@ pub(super) fn radius(
     for index in 0..RAYS {
         let mut sampler = Sampler::new(seed, pass.index, purpose::PILOT, index);
         let pixel = sampler.square() * Vec2::new(width, height);
-        let ray = scene.camera().ray(pixel, sampler.square());
+        let (ray, _) = scene.view(pixel, &mut sampler);
         walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, &mut sampler, &mut measure);
     }
     measure.median().unwrap_or_else(|| fallback(scene))

@@ -1,16 +1,14 @@
 //! Parallel light.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
 
 use super::{Emission, Emit, Illumination, World};
-use crate::geometry::{Ray, Surfaces};
-use crate::math::{Frame, warp};
+use crate::geometry::Surfaces;
+use crate::math::Frame;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
-/// Parallel light from infinitely far away. Its photons start on a disk that covers all finite shapes.
+/// Parallel light from infinitely far away.
 #[derive(Clone, Copy, Debug)]
 pub struct Directional {
     /// A frame whose normal is where the light goes.
@@ -23,9 +21,11 @@ pub struct Directional {
 
 impl Emit for Directional {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let on_disk = self.direction.to_world(warp::disk(sampler.square()).extend(-1.0));
-        let ray = Ray { origin: self.world.center + on_disk * self.world.radius, direction: self.direction.normal };
-        Some(Emission { ray, flux: self.power(surfaces) })
+        Some(Emission {
+            ray: self.world.entry(&self.direction, sampler.square()),
+            flux: self.power(surfaces),
+            hidden: false,
+        })
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, _: &mut Sampler) -> Option<Illumination> {
@@ -34,6 +34,6 @@ impl Emit for Directional {
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
-        self.irradiance * (PI * self.world.radius * self.world.radius)
+        self.irradiance * self.world.section()
     }
 }

@@ -1,18 +1,30 @@
 //! Lights: where photons start and shadow rays end.
 
 mod area;
+mod beam;
 mod constant;
 mod directional;
+mod disk;
+mod environment;
 mod point;
+mod projector;
+mod sky;
 mod spot;
+mod world;
 
 use glam::Vec3;
 
 pub use area::Area;
+pub use beam::Beam;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use disk::SkyDisk;
+pub use environment::{Environment, Mapping};
 pub use point::Point;
+pub use projector::Projector;
+pub use sky::{Sky, sky_picture, sun_irradiance};
 pub use spot::Spot;
+pub use world::World;
 
 use crate::geometry::{Ray, Surfaces};
 use crate::sampler::Sampler;
@@ -28,6 +40,8 @@ pub struct Emission {
     pub ray: Ray,
     /// Flux in W that it carries if it is the only one: the emitted light × cosine / density.
     pub flux: Spectrum,
+    /// Whether no shadow ray finds the light, so that photons must carry its direct light, too.
+    pub hidden: bool,
 }
 
 /// Light as it would arrive at a point from one direction if nothing stood between.
@@ -55,6 +69,15 @@ pub trait Emit {
     fn power(&self, surfaces: &Surfaces) -> Spectrum;
 }
 
+/// Light from infinitely far away that rays meet when they leave the scene.
+pub trait Far {
+    /// Radiance that arrives from there, in W/(m² sr).
+    fn radiance(&self, toward: Vec3) -> Spectrum;
+
+    /// Density of [`Emit::illuminate`] per solid angle, which does not depend on where it is asked.
+    fn pdf(&self, toward: Vec3) -> f32;
+}
+
 /// The closed set of lights.
 #[derive(Clone, Debug)]
 pub enum Light {
@@ -68,6 +91,14 @@ pub enum Light {
     Area(Area),
     /// The same radiance from everywhere infinitely far away.
     Constant(Constant),
+    /// A disk in the sky.
+    SkyDisk(SkyDisk),
+    /// A picture of the radiance from infinitely far away.
+    Environment(Box<Environment>),
+    /// A point that throws a picture.
+    Projector(Box<Projector>),
+    /// A beam of parallel light.
+    Beam(Beam),
 }
 
 impl Light {
@@ -80,7 +111,27 @@ impl Light {
             Light::Directional(light) => light,
             Light::Area(light) => light,
             Light::Constant(light) => light,
+            Light::SkyDisk(light) => light,
+            Light::Environment(light) => &**light,
+            Light::Projector(light) => &**light,
+            Light::Beam(light) => light,
         }
+    }
+
+    /// The light as what rays that leave the scene meet, if it is that.
+    #[inline]
+    pub fn far(&self) -> Option<&dyn Far> {
+        match self {
+            Light::Constant(light) => Some(light),
+            Light::SkyDisk(light) => Some(light),
+            Light::Environment(light) => Some(&**light),
+            _ => None,
+        }
+    }
+
+    /// Whether the light comes from infinitely far away.
+    pub fn is_far(&self) -> bool {
+        self.far().is_some() || matches!(self, Light::Directional(_))
     }
 
     /// What kind of light it is, for people.
@@ -91,15 +142,10 @@ impl Light {
             Light::Directional(_) => "directional",
             Light::Area(_) => "area",
             Light::Constant(_) => "constant",
+            Light::SkyDisk(_) => "sky disk",
+            Light::Environment(_) => "environment",
+            Light::Projector(_) => "projector",
+            Light::Beam(_) => "beam",
         }
     }
-}
-
-/// A sphere around all that is finite in a scene: photons from infinitely far away start on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct World {
-    /// Its centre.
-    pub center: Vec3,
-    /// Its radius.
-    pub radius: f32,
 }

@@ -22,7 +22,7 @@ pub struct Point {
 impl Emit for Point {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let ray = Ray { origin: self.position, direction: warp::sphere(sampler.square()) };
-        Some(Emission { ray, flux: self.power(surfaces) })
+        Some(Emission { ray, flux: self.power(surfaces), hidden: false })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {

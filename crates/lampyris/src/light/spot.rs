@@ -52,7 +52,7 @@ impl Emit for Spot {
         let cos_max = self.cutoff.cos();
         let direction = self.axis.to_world(warp::cone(sampler.square(), cos_max));
         let flux = self.intensity * (self.falloff(direction) * TAU * (1.0 - cos_max));
-        (!flux.is_zero()).then_some(Emission { ray: Ray { origin: self.position, direction }, flux })
+        (!flux.is_zero()).then_some(Emission { ray: Ray { origin: self.position, direction }, flux, hidden: false })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {

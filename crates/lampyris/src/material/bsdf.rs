@@ -246,6 +246,14 @@ impl<'a> Bsdf<'a> {
         })
     }
 
+    /// The share of the light towards or from `to_previous` that is not absorbed, by all events together: the
+    /// directional-hemispherical reflectance, with transmittance, as far as [`Scatter::shares`] knows it.
+    pub fn albedo(&self, to_previous: Vec3) -> Spectrum {
+        let shares =
+            |part: &Part| part.model.scatter().shares(part.turned(to_previous)).map(|share| share * part.weight);
+        self.parts().iter().flat_map(shares).fold(Spectrum::ZERO, |sum, share| sum + share)
+    }
+
     /// The density per solid angle with which [`Bsdf::sample`], allowed to `follow` these lobes, draws `to_next`
     /// through a smooth event.
     pub fn pdf(&self, to_previous: Vec3, to_next: Vec3, follow: Lobes) -> f32 {

@@ -84,7 +84,8 @@ impl Texture {
         match self {
             Texture::Constant(_) | Texture::VertexColor => f32::INFINITY,
             Texture::Bitmap(bitmap) => {
-                let size = Vec2::new(bitmap.image.width() as f32, bitmap.image.height() as f32);
+                let picture = bitmap.pyramid.picture(0);
+                let size = Vec2::new(picture.width() as f32, picture.height() as f32);
                 let matrix = bitmap.to_uv.matrix2;
                 let pixels = (matrix.x_axis * size).length().max((matrix.y_axis * size).length());
                 1.0 / pixels.max(f32::MIN_POSITIVE)

@@ -4,8 +4,10 @@ mod distribution;
 mod erf;
 mod frame;
 pub mod fresnel;
+mod grid;
 pub mod warp;
 
 pub use distribution::{Distribution, ONE_MINUS_EPSILON};
 pub use erf::{erf, erf_inverse};
 pub use frame::Frame;
+pub use grid::Grid;

@@ -33,7 +33,14 @@ pub fn sphere(u: Vec2) -> Vec3 {
 
 /// Uniform in the cone around +z of directions with a cosine of at least `cos_max`; density [`cone_pdf`].
 pub fn cone(u: Vec2, cos_max: f32) -> Vec3 {
-    on_sphere(1.0 - u.x * (1.0 - cos_max), TAU * u.y)
+    cap(u, 1.0 - cos_max)
+}
+
+/// Uniform on the cap of the unit sphere around +z of this height, which is 1 minus the cosine at its edge; exact for
+/// small ones, too. Density 1 / (2π height) per solid angle.
+pub fn cap(u: Vec2, height: f32) -> Vec3 {
+    let below = u.x * height;
+    (Vec2::from_angle(TAU * u.y) * (below * (2.0 - below)).max(0.0).sqrt()).extend(1.0 - below)
 }
 
 /// Density of [`cone`] per solid angle.

@@ -20,7 +20,8 @@ pub struct Deposit {
 impl Visitor for Deposit {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
         // The event in which the photon is read is one more. Where there is none left, the walk cuts the path.
-        let readable = path.bounce < self.max_bounces && (self.direct || path.bounce > 0);
+        let wanted = self.direct || path.bounce > 0 || path.hidden_lamp;
+        let readable = path.bounce < self.max_bounces && wanted;
         if readable && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             let normal = point.surface.normal;
             self.photons.push(Photon {

@@ -1,19 +1,22 @@
 //! From what a file says to what is rendered: names resolved, numbers checked. Every fault becomes an
 //! [`Error`] with the key of what is wrong, from which the importer finds the line.
 
+mod ahead;
 mod camera;
 mod check;
 mod lights;
 mod materials;
 mod shapes;
+mod textures;
 
 use glam::Vec3;
 
-use super::description::{IntegratorDescription, SceneDescription};
-use super::{Assets, Lights, Scene};
+use super::description::{CameraDescription, IntegratorDescription, SceneDescription};
+use super::{Assets, Lights, Scene, ShapeRecord};
 use crate::error::{Error, Result, Warning};
 use crate::geometry::{Bounds, Shape, Surfaces};
 use crate::light::{Light, World};
+use crate::observer::{Observer, Phase, Silent, Work};
 
 /// A scene, with what its author should know of.
 #[derive(Debug)]
@@ -29,28 +32,60 @@ pub struct Built {
 /// # Errors
 /// The first fault, with its key: no camera, no light, a number out of its range, an unknown name, a broken mesh.
 pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Built> {
+    build_observed(description, assets, &Silent)
+}
+
+/// [`build`], telling `observer` of the phase [`Phase::Load`] and of each shape.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, observer: &dyn Observer) -> Result<Built> {
+    observer.phase(Phase::Load);
     description.check_settings()?;
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
+    let mut read_ahead = ahead::ReadAhead::new(description, assets);
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();
+    for (name, group) in &description.groups {
+        shapes
+            .add_group(name, group, &mut materials, assets)
+            .map_err(|error| error.under(&format!("groups.{name}")))?;
+    }
     for (index, shape) in description.shapes.iter().enumerate() {
         shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
+        read_ahead.built(shape);
+        observer.work(&Work { shapes: 1, share: 1.0 / description.shapes.len() as f64, ..Work::default() });
     }
     let (surfaces, records, area_lights) = shapes.finish();
     let world = world(&surfaces, camera.origin());
     let mut all: Vec<Light> = area_lights.into_iter().map(Light::Area).collect();
+    let mut around = lights::Around { world, textures: materials.textures(), assets };
     for (index, light) in description.lights.iter().enumerate() {
-        all.push(lights::build(light, world).map_err(|error| error.under(&format!("lights[{index}]")))?);
+        around.build(light, &mut all).map_err(|error| error.under(&format!("lights[{index}]")))?;
     }
     if all.is_empty() {
         return Err(Error::new("the scene has no light")
             .with_hint("add a light, for example a point light, or give a shape an emission"));
     }
+    let meter = meter(description.camera.as_ref(), &records, &surfaces)?;
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
     let materials = materials.finish();
     let holes = materials.have_holes();
-    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera }, warnings })
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera, meter }, warnings })
+}
+
+/// The number of the shape whose irradiance is measured in place of a picture.
+fn meter(camera: Option<&CameraDescription>, shapes: &[ShapeRecord], surfaces: &Surfaces) -> Result<Option<u32>> {
+    let Some(name) = camera.and_then(|camera| camera.irradiance_of.as_deref()) else { return Ok(None) };
+    let fault = |message: String| Err(Error::at_key("camera.irradiance-of", message));
+    let Some(shape) = shapes.iter().position(|shape| shape.name.as_deref() == Some(name)) else {
+        return fault(format!("there is no shape named '{name}' to measure the irradiance of"));
+    };
+    if !surfaces.area(shape as u32).is_finite() {
+        return fault(format!("the shape '{name}' is infinite: its irradiance has no mean"));
+    }
+    Ok(Some(shape as u32))
 }
 
 /// The sphere on which photons from infinitely far away start: around all that is finite, and the camera, near which
@@ -68,9 +103,15 @@ fn world(surfaces: &Surfaces, camera: Vec3) -> World {
 
 fn warnings(integrator: &IntegratorDescription, surfaces: &Surfaces, lights: &[Light]) -> Vec<Warning> {
     let plane = surfaces.shapes().any(|shape| matches!(shape, Shape::Plane(_)));
-    let far = lights.iter().any(|light| matches!(light, Light::Directional(_) | Light::Constant(_)));
+    let far = lights.iter().any(Light::is_far);
     let photons = !matches!(integrator, IntegratorDescription::Path(_));
     let mut warnings = Vec::new();
+    if !photons && lights.iter().any(|light| matches!(light, Light::Beam(beam) if beam.radius == 0.0)) {
+        warnings.push(
+            Warning::new("the integrator 'path' cannot see the light of an infinitely thin beam")
+                .with_hint("give the beam a radius, or use 'photon-map'"),
+        );
+    }
     if plane && far && photons {
         warnings.push(
             Warning::new("photons from infinitely far away reach an infinite plane near the finite shapes only")

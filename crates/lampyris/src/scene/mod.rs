@@ -7,20 +7,23 @@ pub(crate) mod notation;
 pub mod schema;
 pub mod settings;
 
-use glam::Vec3;
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
 
 pub use assets::{Assets, NoAssets};
-pub use build::{Built, build};
+pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 
-use crate::camera::Camera;
-use crate::geometry::{Bounds, Hit, Ray, Surface, Surfaces};
-use crate::light::{Constant, Emission, Illumination, Light, LightId};
+use crate::camera::{Camera, Seen};
+use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
+use crate::image::displayable;
+use crate::light::{Emission, Far, Illumination, Light, LightId};
 use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
-use crate::math::{Distribution, Frame};
+use crate::math::{Distribution, Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
-use crate::texture::Lookup;
+use crate::texture::{Asks, Lookup};
 
 /// A scene ready for light: immutable, everything checked and linked by number.
 #[derive(Debug)]
@@ -32,6 +35,8 @@ pub struct Scene {
     holes: bool,
     lights: Lights,
     camera: Camera,
+    /// The shape whose irradiance is measured in place of a picture.
+    meter: Option<u32>,
 }
 
 /// What a shape is besides its geometry.
@@ -41,6 +46,8 @@ pub struct ShapeRecord {
     pub material: MaterialId,
     /// The light that it is.
     pub light: Option<LightId>,
+    /// What the textures of its material and of its light ask for.
+    pub asks: Asks,
     /// Its name, for people.
     pub name: Option<String>,
 }
@@ -49,6 +56,8 @@ pub struct ShapeRecord {
 #[derive(Debug)]
 struct Lights {
     all: Vec<Light>,
+    /// The numbers of those that rays meet when they leave the scene.
+    far: Vec<usize>,
     /// Which one a photon leaves: proportional to the power.
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
@@ -72,6 +81,8 @@ pub struct SurfacePoint<'s> {
     pub distance: f32,
     /// The number of the shape.
     pub shape: u32,
+    /// Across what the path sees there, in texture coordinates, where a texture of the shape asks for it; else 0.
+    pub footprint: f32,
 }
 
 impl SurfacePoint<'_> {
@@ -165,21 +176,52 @@ impl SurfacePoint<'_> {
 }
 
 impl Scene {
-    /// The first surface along the ray.
+    /// The first surface along the ray, as it is at that very point.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint<'_>> {
+        self.closest_in_cone(ray, Cone::THIN)
+    }
+
+    /// The first surface along the ray, its textures as the whole cone sees them.
+    #[inline]
+    pub fn closest_in_cone(&self, ray: &Ray, cone: Cone) -> Option<SurfacePoint<'_>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
         let front = surface.shading_normal.dot(to_previous) > 0.0;
-        let (material, lookup) = (self.shapes[hit.shape as usize].material, Lookup::point(surface.uv));
-        let bsdf = self.materials.bsdf(material, &lookup, front);
-        let (frame, lean) = if self.materials.has_tangents(material) {
-            self.turned_frame(material, &lookup, ray, &hit, &surface)
+        let record = &self.shapes[hit.shape as usize];
+        let lookup = match record.asks.is_none() {
+            true => Lookup::point(surface.uv),
+            false => self.lookup(record.asks, &hit, &surface, ray, cone),
+        };
+        let bsdf = self.materials.bsdf(record.material, &lookup, front);
+        let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
+        let (frame, lean) = if self.materials.has_tangents(record.material) {
+            self.turned_frame(record.material, &lookup, ray, &hit, &surface)
         } else {
             (Frame::around(surface.shading_normal), 0.0)
         };
-        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
+        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, distance, shape, footprint })
+    }
+
+    /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's
+    /// ellipse on the surface [Akenine-Möller et al. 2021], cut where the surface is seen edge-on, in texture coordinates
+    /// by the mean of their density over all directions.
+    fn lookup(&self, asks: Asks, hit: &Hit, surface: &Surface, ray: &Ray, cone: Cone) -> Lookup {
+        const LEAST_COS: f32 = 0.125;
+        let mut lookup = Lookup::point(surface.uv);
+        if asks.footprint {
+            let (along_u, along_v) = self.surfaces.partials(hit, surface);
+            let cos = surface.normal.dot(ray.direction).abs().max(LEAST_COS);
+            let width = cone.after(hit.distance).width;
+            lookup.footprint = width / (along_u.cross(along_v).length().sqrt() * cos);
+        }
+        if asks.vertex_color
+            && let Some(color) = self.surfaces.vertex_color(hit)
+        {
+            lookup.vertex_color = Spectrum::from_rgb(color.map(displayable));
+        }
+        lookup
     }
 
     /// The frame that the material's maps make of the one along the tangents, with [`SurfacePoint::lean`].
@@ -243,25 +285,12 @@ impl Scene {
             let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
             let surface = self.surfaces.surface(&ray, &hit);
             let front = surface.shading_normal.dot(ray.direction) < 0.0;
-            let material = self.shapes[hit.shape as usize].material;
-            share *= self.materials.bsdf(material, &Lookup::point(surface.uv), front).holes();
+            let record = &self.shapes[hit.shape as usize];
+            let lookup = self.lookup(record.asks, &hit, &surface, &ray, Cone::THIN);
+            share *= self.materials.bsdf(record.material, &lookup, front).holes();
             from = surface.offset(ray.direction);
         }
         0.0
-    }
-
-    /// Radiance that arrives from lamps and the background in plain sight along a ray, also through holes.
-    pub fn plain_sight(&self, mut ray: Ray) -> Spectrum {
-        let (mut radiance, mut share) = (Spectrum::ZERO, 1.0);
-        while let Some(point) = self.closest(&ray) {
-            radiance += self.emitted(&point) * share;
-            share *= point.bsdf.holes();
-            if share <= 0.0 {
-                return radiance;
-            }
-            ray = point.surface.spawn(ray.direction);
-        }
-        radiance + self.background() * share
     }
 
     /// A photon of any light, chosen by power.
@@ -288,7 +317,7 @@ impl Scene {
     #[inline]
     pub fn emitted(&self, point: &SurfacePoint) -> Spectrum {
         match self.area_light(point.shape) {
-            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous),
+            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous, point.footprint),
             _ => Spectrum::ZERO,
         }
     }
@@ -309,26 +338,48 @@ impl Scene {
         Some((light, &self.lights.all[light]))
     }
 
-    /// Radiance that arrives from infinitely far away, in every direction.
-    pub fn background(&self) -> Spectrum {
-        self.constant_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance)
+    /// Radiance that arrives from infinitely far away.
+    #[inline]
+    pub fn background(&self, toward: Vec3) -> Spectrum {
+        self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward))
     }
 
-    /// Density per solid angle with which [`Scene::illuminate`] finds a direction of the background.
-    pub fn background_pdf(&self) -> f32 {
-        self.constant_lights().map(|(index, _)| self.lights.selection.probability(index) * Constant::PDF).sum()
+    /// Density per solid angle with which [`Scene::illuminate`] finds this direction of the background.
+    pub fn background_pdf(&self, toward: Vec3) -> f32 {
+        self.far_lights().map(|(index, light)| self.lights.selection.probability(index) * light.pdf(toward)).sum()
     }
 
-    fn constant_lights(&self) -> impl Iterator<Item = (usize, &Constant)> {
-        self.lights.all.iter().enumerate().filter_map(|(index, light)| match light {
-            Light::Constant(constant) => Some((index, constant)),
-            _ => None,
-        })
+    fn far_lights(&self) -> impl Iterator<Item = (usize, &dyn Far)> {
+        self.lights.far.iter().filter_map(|&index| Some((index, self.lights.all[index].far()?)))
     }
 
     /// Flux in W of all lights together.
     pub fn power(&self) -> Spectrum {
         self.lights.all.iter().fold(Spectrum::ZERO, |sum, light| sum + light.emitter().power(&self.surfaces))
+    }
+
+    /// A ray whose radiance, times the number that comes with it, is a sample of the picture at `pixel`: through the
+    /// camera, or towards the shape whose irradiance is measured, uniform by area and weighted by the cosine.
+    pub fn view(&self, pixel: Vec2, sampler: &mut Sampler) -> (Ray, f32) {
+        let on_lens = sampler.square();
+        match self.meter.and_then(|shape| self.surfaces.sample(shape, on_lens)) {
+            Some(surface) => {
+                let direction = Frame::around(surface.normal).to_world(warp::cosine_hemisphere(sampler.square()));
+                (surface.spawn(direction), PI)
+            }
+            None => (self.camera.ray(pixel, on_lens), 1.0),
+        }
+    }
+
+    /// What the rays of [`Scene::view`] stand for.
+    pub fn cone(&self) -> Cone {
+        if self.meter.is_some() { Cone::WIDE } else { self.camera.cone() }
+    }
+
+    /// The camera as light sees it that leaves `at` for a point of the lens; none if it cannot be seen from there, and
+    /// never where irradiance is measured.
+    pub fn seen_by_camera(&self, at: Vec3, lens: Vec2) -> Option<Seen> {
+        if self.meter.is_some() { None } else { self.camera.see(at, lens) }
     }
 
     /// The camera.
@@ -369,6 +420,7 @@ impl Lights {
         let even = 1.0 / all.len().max(1) as f64;
         let selection: Vec<f64> =
             powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
-        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), all }
+        let far = (0..all.len()).filter(|&index| all[index].far().is_some()).collect();
+        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, all }
     }
 }

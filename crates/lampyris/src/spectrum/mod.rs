@@ -4,7 +4,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
 use glam::Vec4;
 
+pub mod eye;
 pub mod metals;
+mod observer;
 mod srgb;
 
 pub use srgb::{linear_to_srgb, srgb_to_linear};

@@ -62,11 +62,12 @@ pub fn walk<V: Visitor>(
     let mut rays = 0;
     loop {
         rays += 1;
-        let Some(point) = scene.closest(&path.ray) else {
+        let Some(point) = scene.closest_in_cone(&path.ray, path.cone) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
         path.optical_length += f64::from(path.ior * point.distance);
+        path.cone = path.cone.after(point.distance);
         let mut follow = visitor.vertex(&point, &path, sampler);
         if follow.is_none() {
             return Walked { end: End::Absorbed, path, rays };
@@ -122,6 +123,10 @@ impl PathState {
             }
         }
         self.ior *= scattered.ior_ratio;
+        // Mirrors and glass keep the cone, as if they were flat.
+        if Lobes::SMOOTH.contains(scattered.event) {
+            self.cone = self.cone.scattered();
+        }
         self.ray = point.surface.spawn(scattered.to_next);
         self.bounce += 1;
         self.history = self.history | scattered.event.into();

@@ -5,10 +5,12 @@ use glam::Vec3;
 use super::check;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::scene::description::{CameraDescription, FovAxis};
+use crate::scene::description::{CameraDescription, FovAxis, Projection};
 
 /// Field of view across the picture, in degrees, of a camera that says nothing of it.
 const DEFAULT_FOV: f32 = 40.0;
+/// Width of the picture of an orthographic camera that says nothing of it.
+const DEFAULT_WIDTH: f32 = 2.0;
 
 pub(super) fn build(camera: Option<&CameraDescription>, size: [u32; 2]) -> Result<Camera> {
     let Some(camera) = camera else {
@@ -19,8 +21,17 @@ pub(super) fn build(camera: Option<&CameraDescription>, size: [u32; 2]) -> Resul
 }
 
 fn placed(camera: &CameraDescription, size: [u32; 2]) -> Result<Camera> {
+    if camera.irradiance_of.is_some() {
+        // The rays start on the shape; what is left to say is where those who ask for the camera find it.
+        let origin = check::point("origin", camera.origin)?;
+        let axes = [Vec3::NEG_X, Vec3::Y, Vec3::Z];
+        return Camera::orthographic(origin, axes, size).ok_or_else(|| Error::new("the camera has no axes"));
+    }
     let origin = check::point("origin", camera.origin)?;
     let radius = check::at_least_zero("aperture-radius", camera.aperture_radius)?;
+    if let (Projection::Orthographic, Some(_)) = (camera.projection, camera.fov) {
+        return Err(Error::at_key("fov", "an orthographic camera has no field of view").with_hint("give it a width"));
+    }
     let (axes, subject) = match (camera.target, camera.left, camera.up, camera.forward) {
         (Some(_), Some(_), ..) | (Some(_), .., Some(_)) => {
             return Err(Error::at_key("target", "the camera has a target, and left or forward as well")
@@ -37,7 +48,11 @@ fn placed(camera: &CameraDescription, size: [u32; 2]) -> Result<Camera> {
         Some(distance) => check::above_zero("focus-distance", distance)?,
         None => subject,
     };
-    Camera::new(origin, axes, size, radius, focus).ok_or_else(|| {
+    let built = match camera.projection {
+        Projection::Perspective => Camera::new(origin, axes, size, radius, focus),
+        Projection::Orthographic => Camera::orthographic(origin, axes, size),
+    };
+    built.ok_or_else(|| {
         Error::at_key(
             "up",
             "the camera's axes lie in one plane: left, up and forward must point in different directions",
@@ -63,8 +78,14 @@ fn looking_at(
             .with_hint("choose an up that is not parallel to the viewing direction"));
     }
     let left = left.normalize();
+    let axes = [left, forward.cross(left), forward];
+    if camera.projection == Projection::Orthographic {
+        let half = 0.5 * check::above_zero("width", camera.width.unwrap_or(DEFAULT_WIDTH))?;
+        let [width, height] = size.map(|side| side as f32);
+        return Ok(([left * half, axes[1] * (half * height / width), forward], to_target.length()));
+    }
     let fov = camera.fov.unwrap_or(DEFAULT_FOV);
-    Ok((sized([left, forward.cross(left), forward], fov, camera.fov_axis, size)?, to_target.length()))
+    Ok((sized(axes, fov, camera.fov_axis, size)?, to_target.length()))
 }
 
 fn spanned(camera: &CameraDescription, axes: [[f32; 3]; 3], size: [u32; 2]) -> Result<([Vec3; 3], f32)> {

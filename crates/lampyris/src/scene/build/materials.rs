@@ -1,11 +1,11 @@
-//! Materials and textures, by name and in place.
+//! Materials, by name and in place.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use glam::{Affine2, Mat2, Vec2};
+use glam::Vec2;
 
-use super::check;
+use super::textures::Quantity;
+use super::{check, textures};
 use crate::error::{Error, Result, did_you_mean};
 use crate::material::{
     BothSides, Coat, Coefficients, MAX_PARTS, Material, MaterialId, Materials, Metal, Microfacets, Plastic,
@@ -14,17 +14,18 @@ use crate::material::{
 use crate::scene::Assets;
 use crate::scene::description::{
     Color, MaterialDescription, MaterialRef, Paint, Principled, PrincipledThin, Roughness, SceneDescription,
-    TextureDescription, TextureFilter, Transform,
 };
 use crate::spectrum::{Spectrum, metals};
-use crate::texture::{Bitmap, Checkerboard, Texture};
+use crate::texture::{Asks, Texture};
 
 /// Resolves materials as shapes ask for them.
 pub(super) struct Builder<'d> {
     description: &'d SceneDescription,
-    assets: &'d dyn Assets,
+    textures: textures::Builder<'d>,
     materials: Materials,
     named: HashMap<&'d str, Named>,
+    /// What the textures of each material ask for, where they ask for anything.
+    asks: HashMap<MaterialId, Asks>,
     default: Option<MaterialId>,
     black: Option<MaterialId>,
 }
@@ -38,8 +39,19 @@ enum Named {
 
 impl<'d> Builder<'d> {
     pub(super) fn new(description: &'d SceneDescription, assets: &'d dyn Assets) -> Builder<'d> {
-        let materials = Materials::default();
-        Builder { description, assets, materials, named: HashMap::new(), default: None, black: None }
+        let (textures, materials) = (textures::Builder::new(description, assets), Materials::default());
+        let (named, asks) = (HashMap::new(), HashMap::new());
+        Builder { description, textures, materials, named, asks, default: None, black: None }
+    }
+
+    /// The textures, for what else has some.
+    pub(super) fn textures(&mut self) -> &mut textures::Builder<'d> {
+        &mut self.textures
+    }
+
+    /// What the textures of a material, and of those that it is made of, ask for.
+    pub(super) fn asks(&self, id: MaterialId) -> Asks {
+        self.asks.get(&id).copied().unwrap_or_default()
     }
 
     pub(super) fn finish(self) -> Materials {
@@ -57,10 +69,16 @@ impl<'d> Builder<'d> {
     }
 
     fn resolve(&mut self, material: &'d MaterialRef, key: &str) -> Result<MaterialId> {
-        match material {
-            MaterialRef::Named(name) => self.by_name(name, key),
-            MaterialRef::Inline(material) => self.add(material).map_err(|error| error.under(key)),
-        }
+        let of_others = self.textures.take_asked();
+        let id = match material {
+            MaterialRef::Named(name) => self.by_name(name, key)?,
+            MaterialRef::Inline(material) => self.add(material).map_err(|error| error.under(key))?,
+        };
+        // Of a material that was built before, the textures have asked before.
+        let asks = self.textures.take_asked() | self.asks(id);
+        self.asks.insert(id, asks);
+        self.textures.ask(of_others | asks);
+        Ok(id)
     }
 
     fn by_name(&mut self, name: &'d str, key: &str) -> Result<MaterialId> {
@@ -184,12 +202,12 @@ impl<'d> Builder<'d> {
                 second: self.resolve(second, "second")?,
             },
             MaterialDescription::NormalMap { normals, strength, material } => Material::NormalMap {
-                normals: self.raw_texture("normals", normals)?,
+                normals: self.textures.raw("normals", normals)?,
                 strength: check::finite("strength", *strength)?,
                 material: self.resolve(material, "material")?,
             },
             MaterialDescription::BumpMap { height, scale, material } => Material::BumpMap {
-                height: self.paint("height", &Paint::Texture(height.clone()))?,
+                height: self.textures.named(height, "height", Quantity::Light)?,
                 scale: check::finite("scale", *scale)?,
                 material: self.resolve(material, "material")?,
             },
@@ -204,7 +222,7 @@ impl<'d> Builder<'d> {
     }
 
     /// The roughness of a boundary, and its mean α if that is the same everywhere.
-    fn rough(&self, roughness: &Roughness) -> Result<(RoughTextures, Option<f32>)> {
+    fn rough(&mut self, roughness: &'d Roughness) -> Result<(RoughTextures, Option<f32>)> {
         let alpha_u = self.amount("alpha", &roughness.alpha)?;
         let alpha_v = match &roughness.alpha_v {
             Some(alpha) => Some(self.amount("alpha-v", alpha)?),
@@ -218,7 +236,7 @@ impl<'d> Builder<'d> {
         Ok((RoughTextures { distribution: roughness.distribution, alpha_u, alpha_v }, constant))
     }
 
-    fn rough_conductor(&self, metal: Metal, reflectance: Texture, roughness: &Roughness) -> Result<Material> {
+    fn rough_conductor(&mut self, metal: Metal, reflectance: Texture, roughness: &'d Roughness) -> Result<Material> {
         let (rough, alpha) = self.rough(roughness)?;
         let facets = |alpha: f32| Microfacets::new(roughness.distribution, Vec2::splat(alpha));
         let white = roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| white_reflection(&facets(alpha))));
@@ -226,11 +244,11 @@ impl<'d> Builder<'d> {
     }
 
     fn rough_glass(
-        &self,
+        &mut self,
         ior: f32,
         reflectance: Texture,
         transmittance: Texture,
-        roughness: &Roughness,
+        roughness: &'d Roughness,
     ) -> Result<Material> {
         let (rough, alpha) = self.rough(roughness)?;
         // Between equal substances there is nothing to be rough, and no facet that could be found from two directions.
@@ -243,7 +261,7 @@ impl<'d> Builder<'d> {
         Ok(Material::RoughGlass { ior, reflectance, transmittance, rough, once })
     }
 
-    fn principled(&self, from: &Principled) -> Result<PrincipledTextures> {
+    fn principled(&mut self, from: &'d Principled) -> Result<PrincipledTextures> {
         let spec_trans = self.paint("spec-trans", &from.spec_trans)?;
         let transmits = !matches!(&spec_trans, Texture::Constant(share) if share.is_zero());
         let eta = match from.eta {
@@ -271,7 +289,7 @@ impl<'d> Builder<'d> {
         })
     }
 
-    fn principled_thin(&self, from: &PrincipledThin) -> Result<PrincipledThinTextures> {
+    fn principled_thin(&mut self, from: &'d PrincipledThin) -> Result<PrincipledThinTextures> {
         let diff_trans = self.amount("diff-trans", &from.diff_trans)?;
         if let Texture::Constant(value) = &diff_trans
             && value.max() > 2.0
@@ -292,74 +310,19 @@ impl<'d> Builder<'d> {
         })
     }
 
-    /// A texture whose numbers are no colours, whether or not it says so.
-    fn raw_texture(&self, key: &str, name: &str) -> Result<Texture> {
-        match self.description.textures.get(name) {
-            Some(TextureDescription::Bitmap { .. }) => {
-                let mut texture = self.description.textures[name].clone();
-                if let TextureDescription::Bitmap { raw, .. } = &mut texture {
-                    *raw = true;
-                }
-                self.texture(&texture).map_err(|error| error.under(&format!("textures.{name}")).at_root())
-            }
-            _ => self.paint(key, &Paint::Texture(name.to_string())),
-        }
-    }
-
     /// A paint of shares, 0 to 1.
-    fn paint(&self, key: &str, paint: &Paint) -> Result<Texture> {
-        self.checked(key, paint, check::share)
+    fn paint(&mut self, key: &str, paint: &'d Paint) -> Result<Texture> {
+        self.textures.paint(key, paint, Quantity::Share)
     }
 
     /// A paint of numbers that may exceed 1.
-    fn amount(&self, key: &str, paint: &Paint) -> Result<Texture> {
-        self.checked(key, paint, check::light)
-    }
-
-    fn checked(&self, key: &str, paint: &Paint, check: fn(&str, Color) -> Result<Spectrum>) -> Result<Texture> {
-        match paint {
-            Paint::Color(color) => Ok(Texture::Constant(check(key, *color)?)),
-            Paint::Texture(name) => match self.description.textures.get(name) {
-                Some(texture) => {
-                    self.texture(texture).map_err(|error| error.under(&format!("textures.{name}")).at_root())
-                }
-                None => Err(unknown("texture", name, self.description.textures.keys(), key)),
-            },
-        }
-    }
-
-    fn texture(&self, texture: &TextureDescription) -> Result<Texture> {
-        match texture {
-            TextureDescription::Bitmap { file, raw, channel: _, filter, wrap, wrap_v: _, to_uv } => {
-                let image = self.assets.image(file, *raw).map_err(|error| error.under("file"))?;
-                if image.pixels().is_empty() {
-                    return Err(Error::at_key("file", format!("the picture '{file}' has no pixel")));
-                }
-                let to_uv = planar(to_uv);
-                let nearest = *filter == TextureFilter::Nearest;
-                Ok(Texture::Bitmap(Bitmap { image: Arc::clone(&image), nearest, wrap: *wrap, to_uv }))
-            }
-            TextureDescription::Checkerboard { color0, color1, to_uv } => {
-                Ok(Texture::Checkerboard(Box::new(Checkerboard {
-                    color0: self.paint("color0", color0)?,
-                    color1: self.paint("color1", color1)?,
-                    to_uv: planar(to_uv),
-                })))
-            }
-            TextureDescription::VertexColor {} => Ok(Texture::VertexColor),
-            TextureDescription::Product { first, second } => {
-                Ok(Texture::Product(Box::new([self.paint("first", first)?, self.paint("second", second)?])))
-            }
-            TextureDescription::Mix { weight, first, second } => Ok(Texture::Mix(Box::new([
-                self.paint("weight", weight)?,
-                self.paint("first", first)?,
-                self.paint("second", second)?,
-            ]))),
-        }
+    fn amount(&mut self, key: &str, paint: &'d Paint) -> Result<Texture> {
+        self.textures.paint(key, paint, Quantity::Light)
     }
 }
 
-fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
+/// The name at `key` is none of `names`.
+pub(super) fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
     let error = Error::at_key(key, format!("there is no {what} named '{name}'"));
     match did_you_mean(name, names.clone().map(String::as_str)) {
         Some(near) => error.with_hint(format!("did you mean '{near}'?")),
@@ -412,11 +375,4 @@ fn coefficients(kd: Color, ks: Color, kt: Color, ior: f32, fresnel: bool) -> Res
         }
     }
     Ok(Coefficients { kd, ks, kt, ior: check::above_zero("ior", ior)?, fresnel })
-}
-
-/// What a transform does to (u, v, 0).
-fn planar(transform: &Transform) -> Affine2 {
-    let m = transform.0;
-    let linear = Mat2::from_cols(Vec2::new(m.x_axis.x, m.x_axis.y), Vec2::new(m.y_axis.x, m.y_axis.y));
-    Affine2::from_mat2_translation(linear, Vec2::new(m.w_axis.x, m.w_axis.y))
 }

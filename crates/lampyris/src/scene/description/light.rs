@@ -68,7 +68,7 @@ pub enum LightDescription {
         /// How the picture covers the directions (default lat-long).
         #[serde(default)]
         mapping: EnvironmentMapping,
-        /// Turns the picture from its own axes (+y up; the middle of a lat-long picture lies in the direction -z) to
+        /// Turns the picture from its own axes (+y up; the middle of a lat-long picture lies along +z) to
         /// the world's.
         #[serde(default)]
         transform: Transform,

@@ -1,4 +1,6 @@
-//! Substances that Mitsuba files call by name.
+//! Substances that scene files call by name.
+
+pub(super) use crate::spectrum::metals::{METALS as CONDUCTORS, named as conductor};
 
 /// Indices of refraction at 589 nm. Gases at 0 °C and 1 atm, liquids at 20 °C; the usual values of handbooks.
 pub(super) const IORS: [(&str, f32); 23] = [

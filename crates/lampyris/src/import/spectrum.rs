@@ -5,38 +5,23 @@
 //!
 //! Colours that RGB cannot hold are clamped to 0, as there.
 
-use super::document::Spectrum;
-use super::observer::{D65, FIRST, MATCHING};
+pub(super) use crate::spectrum::eye::Role;
+use crate::spectrum::eye::{planck, rgb};
 
-/// What a spectrum belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
-    /// Reflectances, indices of refraction.
-    Surface,
-    /// Radiance, intensity, irradiance.
-    Light,
+/// A spectrum as a file gives it, before we know whether it is of a surface or of a light.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Spectrum {
+    /// The same at all wavelengths.
+    Constant(f64),
+    /// Wavelength in nm and value, in rising order, straight lines between.
+    List(Vec<[f64; 2]>),
+    /// An ideal black body in kelvin, times a factor.
+    BlackBody { temperature: f64, scale: f64 },
 }
-
-/// XYZ to linear RGB with the primaries and the white of ITU-R BT.709.
-const TO_RGB: [[f64; 3]; 3] =
-    [[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]];
 
 /// The linear RGB of `spectrum`, and whether a channel had to be clamped.
 pub(super) fn to_rgb(spectrum: &Spectrum, role: Role) -> ([f64; 3], bool) {
-    let rgb = match role {
-        Role::Surface => {
-            let white = rgb_of(daylight);
-            let seen = match spectrum {
-                Spectrum::Constant(value) => white.map(|channel| channel * value),
-                _ => rgb_of(|wavelength| value_at(spectrum, wavelength) * daylight(wavelength)),
-            };
-            [0, 1, 2].map(|channel| seen[channel] / white[channel])
-        }
-        Role::Light => {
-            let luminance: f64 = wavelengths().map(|wavelength| matching(wavelength)[1]).sum();
-            rgb_of(|wavelength| value_at(spectrum, wavelength)).map(|channel| channel / luminance)
-        }
-    };
+    let rgb = rgb(role, |wavelength| value_at(spectrum, wavelength));
     let clamped = rgb.map(|channel| channel.clamp(0.0, f64::from(f32::MAX)));
     (clamped, rgb.iter().any(|&channel| channel < 0.0))
 }
@@ -54,47 +39,6 @@ fn value_at(spectrum: &Spectrum, wavelength: f64) -> f64 {
             }
         }
     }
-}
-
-/// Planck's law in W/(m² sr nm), wavelength in nm, temperature in kelvin.
-fn planck(wavelength: f64, temperature: f64) -> f64 {
-    const PLANCK: f64 = 6.626_070_15e-34;
-    const LIGHT: f64 = 299_792_458.0;
-    const BOLTZMANN: f64 = 1.380_649e-23;
-    let metres = wavelength * 1e-9;
-    let exponent = PLANCK * LIGHT / (metres * BOLTZMANN * temperature);
-    2.0 * PLANCK * LIGHT * LIGHT / metres.powi(5) / exponent.exp_m1() * 1e-9
-}
-
-fn wavelengths() -> impl Iterator<Item = f64> {
-    (380..=780).map(f64::from)
-}
-
-fn rgb_of(power: impl Fn(f64) -> f64) -> [f64; 3] {
-    let mut xyz = [0.0; 3];
-    for wavelength in wavelengths() {
-        let power = power(wavelength);
-        for (sum, matching) in xyz.iter_mut().zip(matching(wavelength)) {
-            *sum += power * matching;
-        }
-    }
-    TO_RGB.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
-}
-
-fn matching(wavelength: f64) -> [f64; 3] {
-    [0, 1, 2].map(|channel| between(|index| MATCHING.get(index).map(|row| row[channel]), (wavelength - FIRST) / 5.0))
-}
-
-fn daylight(wavelength: f64) -> f64 {
-    between(|index| D65.get(index).copied(), (wavelength - FIRST) / 10.0)
-}
-
-/// The value of an evenly spaced table at a fractional index.
-fn between(table: impl Fn(usize) -> Option<f64>, at: f64) -> f64 {
-    let index = at as usize;
-    let first = table(index).unwrap_or(0.0);
-    let second = table(index + 1).unwrap_or(first);
-    first + (second - first) * (at - index as f64)
 }
 
 #[cfg(test)]

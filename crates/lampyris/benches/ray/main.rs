@@ -1,0 +1,173 @@
+//! The nearest surfaces along incoherent rays, and what shadow rays ask: Lampyris, the crate obvhs that it traced with
+//! before, and Embree if the feature `embree` is on and its library is found, on one thread, in turns.
+//!
+//! ```text
+//! cargo bench -p lampyris --bench ray [--features embree] -- [ROUNDS]
+//! LAMPYRIS_EMBREE=/path/to/libembree4.so.4    where the library is, if the system does not know
+//! ```
+
+#![allow(missing_docs, clippy::print_stdout)]
+
+#[cfg(feature = "embree")]
+mod embree;
+mod meshes;
+mod obvhs_tree;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::{Mat4, Vec3};
+use lampyris::geometry::{Mesh, MeshData, Ray, Shape, Surfaces, SurfacesBuilder};
+use lampyris::math::{Frame, warp};
+use lampyris::sampler::Sampler;
+
+const RAYS: usize = 300_000;
+
+/// Something that finds triangles.
+trait Tracer {
+    fn name(&self) -> &'static str;
+    /// Distance to the nearest triangle.
+    fn closest(&self, ray: &Ray) -> Option<f32>;
+    /// Whether there is a triangle before `max`.
+    fn blocked(&self, ray: &Ray, max: f32) -> bool;
+}
+
+impl Tracer for Surfaces {
+    fn name(&self) -> &'static str {
+        "lampyris"
+    }
+
+    fn closest(&self, ray: &Ray) -> Option<f32> {
+        Some(Surfaces::closest(self, ray, f32::INFINITY)?.distance)
+    }
+
+    fn blocked(&self, ray: &Ray, max: f32) -> bool {
+        Surfaces::blocked(self, ray, max)
+    }
+}
+
+fn main() {
+    let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(5);
+    for (name, mesh) in [("blob", meshes::blob()), ("cloud", meshes::cloud())] {
+        println!("{name}: {} triangles", mesh.triangles.len());
+        let surfaces = timed("lampyris", &mesh, || {
+            let mut builder = SurfacesBuilder::default();
+            builder.add(Shape::Mesh(Mesh::new(&mesh, &Mat4::IDENTITY)), false);
+            builder.build()
+        });
+        println!("  {:?}", surfaces.statistics());
+        let obvhs = timed("obvhs", &mesh, || obvhs_tree::ObvhsTree::new(&mesh));
+        let rays = incoherent_rays(&surfaces);
+        let mut tracers: Vec<Box<dyn Tracer>> = vec![Box::new(surfaces), Box::new(obvhs)];
+        tracers.extend(embree(&mesh));
+        compare("closest", rounds, &tracers, |tracer| count(&rays, |ray| tracer.closest(ray).is_some()));
+        compare("blocked", rounds, &tracers, |tracer| count(&rays, |ray| tracer.blocked(ray, 1.0)));
+        differences(&rays, &tracers);
+    }
+}
+
+#[cfg(feature = "embree")]
+fn embree(mesh: &Arc<MeshData>) -> Option<Box<dyn Tracer>> {
+    let path = std::env::var("LAMPYRIS_EMBREE").unwrap_or("libembree4.so.4".to_string());
+    match embree::Library::open(&path) {
+        Ok(library) => Some(Box::new(timed("embree", mesh, || library.scene(mesh)))),
+        Err(error) => {
+            println!("  without Embree, whose library was not found (set LAMPYRIS_EMBREE): {error}");
+            None
+        }
+    }
+}
+
+#[cfg(not(feature = "embree"))]
+fn embree(_: &Arc<MeshData>) -> Option<Box<dyn Tracer>> {
+    println!("  without Embree (add --features embree)");
+    None
+}
+
+/// Half from anywhere in the box around all to anywhere, half bounces off surfaces.
+fn incoherent_rays(surfaces: &Surfaces) -> Vec<Ray> {
+    let bounds = surfaces.bounds();
+    let mut sampler = Sampler::new(1, 0, 0, 0);
+    let mut rays = Vec::new();
+    while rays.len() < RAYS {
+        let within = Vec3::new(sampler.uniform(), sampler.uniform(), sampler.uniform());
+        let origin = bounds.min + within * (bounds.max - bounds.min);
+        let ray = Ray { origin, direction: warp::sphere(sampler.square()) };
+        rays.push(ray);
+        if let Some(hit) = surfaces.closest(&ray, f32::INFINITY) {
+            let surface = surfaces.surface(&ray, &hit);
+            let towards = if surface.normal.dot(ray.direction) < 0.0 { surface.normal } else { -surface.normal };
+            let up = Frame::around(towards).to_world(warp::cosine_hemisphere(sampler.square()));
+            rays.push(surface.spawn(up));
+        }
+    }
+    rays.truncate(RAYS);
+    rays
+}
+
+fn count(rays: &[Ray], is_met: impl Fn(&Ray) -> bool) -> usize {
+    rays.iter().filter(|ray| is_met(ray)).count()
+}
+
+/// Builds something, and says how fast.
+fn timed<T>(name: &str, mesh: &MeshData, build: impl Fn() -> T) -> T {
+    let start = Instant::now();
+    let built = build();
+    let seconds = start.elapsed().as_secs_f64();
+    println!("  {name:9} built in {seconds:.3} s: {:.2} M triangles/s", mesh.triangles.len() as f64 / seconds / 1e6);
+    built
+}
+
+/// Lets the tracers do the same work in turns, and prints the median of their speeds with its ratio to the last one's.
+fn compare(what: &str, rounds: usize, tracers: &[Box<dyn Tracer>], work: impl Fn(&dyn Tracer) -> usize) {
+    let mut speeds = vec![Vec::new(); tracers.len()];
+    let mut met = vec![0; tracers.len()];
+    for _ in 0..=rounds {
+        for (index, tracer) in tracers.iter().enumerate() {
+            let start = thread_time();
+            met[index] = work(tracer.as_ref());
+            speeds[index].push(RAYS as f64 / (thread_time() - start).as_secs_f64() / 1e6);
+        }
+    }
+    let last = tracers.len() - 1;
+    for (index, tracer) in tracers.iter().enumerate() {
+        // The first round only warms up.
+        let ratios = speeds[index].iter().zip(&speeds[last]).skip(1).map(|(speed, other)| speed / other).collect();
+        println!(
+            "  {what} {:9} {:.3} M/s, {:.3} of {} ({} met)",
+            tracer.name(),
+            median(speeds[index][1..].to_vec()),
+            median(ratios),
+            tracers[last].name(),
+            met[index]
+        );
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Counts the rays for which the tracers disagree.
+fn differences(rays: &[Ray], tracers: &[Box<dyn Tracer>]) {
+    let own = &tracers[0];
+    for other in &tracers[1..] {
+        let differ = count(rays, |ray| match (own.closest(ray), other.closest(ray)) {
+            (None, None) => false,
+            (Some(a), Some(b)) => (a - b).abs() > 1e-4 * a.max(b),
+            _ => true,
+        });
+        println!("  {differ} of {RAYS} rays meet something else in {} than in {}", own.name(), other.name());
+    }
+}
+
+/// The processor time of this thread, so that other programs do not count.
+fn thread_time() -> Duration {
+    let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat")
+        .ok()
+        .and_then(|text| text.split_whitespace().next()?.parse().ok());
+    // Elsewhere than on Linux, the time on the wall.
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
+}
