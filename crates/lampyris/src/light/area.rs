@@ -126,7 +126,7 @@ mod tests {
         // Three texels of 0, 1 and 5, as wide as the lamp together.
         let picture = Raster::new(3, 1, 1, Texels::Floats(vec![0.0, 1.0, 5.0]), Curve::Linear).expect("texels");
         let bitmap = Bitmap {
-            pyramid: Arc::new(Pyramid::new(Arc::new(picture), false, f32::MAX)),
+            pyramid: Arc::new(Pyramid::new(Arc::new(picture), false, [0.0, f32::MAX])),
             channel: Channel::Color,
             filter: TextureFilter::Nearest,
             wrap: [Wrap::Repeat; 2],

@@ -121,7 +121,7 @@ mod tests {
     fn bitmap(width: usize, texels: Vec<u8>, wrap: Wrap, filter: TextureFilter) -> Bitmap {
         let height = texels.len() / width;
         let picture = Raster::new(width, height, 1, Texels::Bytes(texels), Curve::Linear).expect("texels");
-        let pyramid = Arc::new(Pyramid::new(Arc::new(picture), filter == TextureFilter::Mip, 1.0));
+        let pyramid = Arc::new(Pyramid::new(Arc::new(picture), filter == TextureFilter::Mip, [0.0, 1.0]));
         Bitmap { pyramid, channel: Channel::Color, filter, wrap: [wrap; 2], to_uv: Affine2::IDENTITY }
     }
 
@@ -163,7 +163,7 @@ mod tests {
             Raster::new(1, 1, channels, Texels::Bytes(bytes[..channels].to_vec()), Curve::Linear).expect("a texel")
         };
         let of = |channels, channel| {
-            let pyramid = Arc::new(Pyramid::new(Arc::new(picture(channels)), false, 1.0));
+            let pyramid = Arc::new(Pyramid::new(Arc::new(picture(channels)), false, [0.0, 1.0]));
             let bitmap = Bitmap { pyramid, channel, ..two_by_one(Wrap::Repeat, TextureFilter::Bilinear) };
             grey(&bitmap, 0.5)
         };
@@ -177,13 +177,14 @@ mod tests {
     fn values_are_cut_where_a_share_of_light_ends_and_nothing_else_is() {
         let texels = vec![-1.0, f32::NAN, 3.0, f32::INFINITY];
         let picture = Arc::new(Raster::new(4, 1, 1, Texels::Floats(texels), Curve::Linear).expect("texels"));
-        let of = |most| {
-            let pyramid = Arc::new(Pyramid::new(Arc::clone(&picture), false, most));
+        let of = |bounds| {
+            let pyramid = Arc::new(Pyramid::new(Arc::clone(&picture), false, bounds));
             let bitmap = Bitmap { pyramid, ..two_by_one(Wrap::Repeat, TextureFilter::Nearest) };
             [0.1, 0.3, 0.6, 0.9].map(|u| grey(&bitmap, u))
         };
-        assert_eq!(of(1.0), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(of(f32::MAX), [0.0, 0.0, 3.0, f32::MAX]);
+        assert_eq!(of([0.0, 1.0]), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(of([0.0, f32::MAX]), [0.0, 0.0, 3.0, f32::MAX]);
+        assert_eq!(of([-2.0, 2.0]), [-1.0, -2.0, 2.0, 2.0]);
     }
 
     /// 8 × 8 squares of one texel.

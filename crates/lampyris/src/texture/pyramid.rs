@@ -13,14 +13,15 @@ use super::{Curve, Raster, Texels};
 #[derive(Debug)]
 pub struct Pyramid {
     levels: Vec<Arc<Raster>>,
-    /// The largest value of a texel.
-    most: f32,
+    /// The smallest and the largest value of a texel.
+    bounds: [f32; 2],
 }
 
 impl Pyramid {
-    /// With smaller copies if `mip`; values are cut to 0..`most`.
-    pub fn new(picture: Arc<Raster>, mip: bool, most: f32) -> Pyramid {
-        let mut pyramid = Pyramid { levels: vec![picture], most };
+    /// With smaller copies if `mip`; values are cut to the smallest and the largest of `bounds`, what is no number to the
+    /// smallest.
+    pub fn new(picture: Arc<Raster>, mip: bool, bounds: [f32; 2]) -> Pyramid {
+        let mut pyramid = Pyramid { levels: vec![picture], bounds };
         while mip && let Some(smaller) = pyramid.half_of_last() {
             pyramid.levels.push(Arc::new(smaller));
         }
@@ -56,7 +57,8 @@ impl Pyramid {
     /// What is used of a value.
     #[inline]
     pub(super) fn bounded(&self, value: f32) -> f32 {
-        if value > 0.0 { value.min(self.most) } else { 0.0 }
+        let [least, most] = self.bounds;
+        if value > least { value.min(most) } else { least }
     }
 
     /// None after a single texel.
@@ -130,14 +132,14 @@ mod tests {
     #[test]
     fn light_is_averaged_and_not_code_values() {
         let picture = Raster::new(2, 1, 1, Texels::Bytes(vec![0, 255]), Curve::Srgb).expect("texels");
-        let pyramid = Pyramid::new(Arc::new(picture), true, 1.0);
+        let pyramid = Pyramid::new(Arc::new(picture), true, [0.0, 1.0]);
         assert_eq!((pyramid.levels(), pyramid.picture(1).color(0, 0)), (2, [0.5; 3]));
     }
 
     #[test]
     fn a_picture_that_is_not_looked_at_from_afar_has_no_copies() {
         let picture = Raster::new(2, 2, 1, Texels::Bytes(vec![0; 4]), Curve::Srgb).expect("texels");
-        assert_eq!(Pyramid::new(Arc::new(picture), false, 1.0).levels(), 1);
+        assert_eq!(Pyramid::new(Arc::new(picture), false, [0.0, 1.0]).levels(), 1);
     }
 
     fn mean(picture: &Raster) -> f64 {
@@ -154,7 +156,7 @@ mod tests {
         ) {
             let height = values.len() / 3 / width;
             let picture = Raster::new(width, height, 3, Texels::Floats(values), Curve::Linear).expect("texels");
-            let pyramid = Pyramid::new(Arc::new(picture), true, f32::MAX);
+            let pyramid = Pyramid::new(Arc::new(picture), true, [0.0, f32::MAX]);
             let last = pyramid.picture(pyramid.levels() - 1);
             prop_assert_eq!((last.width(), last.height()), (1, 1));
             for level in 1..pyramid.levels() {

@@ -51,6 +51,12 @@ pub(super) fn direction(key: &str, value: [f32; 3]) -> Result<Vec3> {
     }
 }
 
+/// Any finite colour.
+pub(super) fn number(key: &str, color: Color) -> Result<Spectrum> {
+    color.0.iter().try_for_each(|&x| finite(key, x).map(|_| ()))?;
+    Ok(Spectrum::from_rgb(color.0))
+}
+
 /// Of light: not negative.
 pub(super) fn light(key: &str, color: Color) -> Result<Spectrum> {
     color.0.iter().try_for_each(|&x| at_least_zero(key, x).map(|_| ()))?;

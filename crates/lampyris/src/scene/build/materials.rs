@@ -207,7 +207,7 @@ impl<'d> Builder<'d> {
                 material: self.resolve(material, "material")?,
             },
             MaterialDescription::BumpMap { height, scale, material } => Material::BumpMap {
-                height: self.textures.named(height, "height", Quantity::Light)?,
+                height: self.textures.named(height, "height", Quantity::Height)?,
                 scale: check::finite("scale", *scale)?,
                 material: self.resolve(material, "material")?,
             },

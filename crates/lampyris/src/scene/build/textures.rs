@@ -42,6 +42,8 @@ pub(super) enum Quantity {
     Share,
     /// Light, of any strength.
     Light,
+    /// A height: any number.
+    Height,
 }
 
 impl<'d> Builder<'d> {
@@ -66,6 +68,7 @@ impl<'d> Builder<'d> {
             Paint::Color(color) => Ok(Texture::Constant(match quantity {
                 Quantity::Share => check::share(key, *color)?,
                 Quantity::Light => check::light(key, *color)?,
+                Quantity::Height => check::number(key, *color)?,
             })),
             Paint::Texture(name) => {
                 let texture = self.named(name, key, quantity)?;
@@ -140,11 +143,12 @@ impl<'d> Builder<'d> {
             return Ok(Arc::clone(pyramid));
         }
         let picture = self.assets.picture(decoded.file, decoded.raw)?;
-        let most = match decoded.quantity {
-            Quantity::Share => 1.0,
-            Quantity::Light => f32::MAX,
+        let bounds = match decoded.quantity {
+            Quantity::Share => [0.0, 1.0],
+            Quantity::Light => [0.0, f32::MAX],
+            Quantity::Height => [f32::MIN, f32::MAX],
         };
-        let pyramid = Arc::new(Pyramid::new(picture, decoded.mip, most));
+        let pyramid = Arc::new(Pyramid::new(picture, decoded.mip, bounds));
         self.pyramids.insert(decoded, Arc::clone(&pyramid));
         Ok(pyramid)
     }
