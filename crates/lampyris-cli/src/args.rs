@@ -8,8 +8,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+use lampyris::film::Layers;
 
-use values::{duration, finite, pair, positive_count, size, threads};
+use values::{duration, finite, layers, pair, positive_count, preview, size, threads};
 
 /// A photon-mapping renderer: caustics, colour bleeding, and a picture that converges.
 #[derive(Debug, Parser)]
@@ -35,6 +37,10 @@ pub enum Command {
     Tonemap(TonemapArguments),
     /// Measure how far two pictures are apart.
     Compare(CompareArguments),
+    /// Print completions for a shell, to be put where it looks for them.
+    Completions(CompletionsArguments),
+    /// Write man pages.
+    Man(ManArguments),
     /// Print the JSON Schema of scene files.
     #[command(hide = true)]
     Schema,
@@ -43,7 +49,7 @@ pub enum Command {
 /// A scene file and how to read it.
 #[derive(Args, Debug)]
 pub struct SceneArguments {
-    /// The scene file: .toml, or .xml of Mitsuba
+    /// The scene file: .toml, .xml of Mitsuba, .pbrt, .gltf, .glb, .obj, .ply or .stl
     pub scene: PathBuf,
 
     /// Give a parameter of a Mitsuba scene (its <default>) another value
@@ -107,6 +113,20 @@ pub struct RenderArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
 
+    /// Show the picture as it grows: in a running tev, here or at HOST:PORT, or in the terminal; may be repeated
+    #[arg(long, visible_alias = "display-server", value_name = "tev|HOST:PORT|terminal", value_parser = preview,
+        num_args = 0..=1, default_missing_value = "tev")]
+    pub preview: Vec<PreviewTarget>,
+
+    /// Write the picture so far after 1, 2, 4, 8 ... passes, too, beside the first FILE as NAME.pass0001.png and so on
+    #[arg(long)]
+    pub snapshots: bool,
+
+    /// Layers of .exr files: all, none, or some of albedo,normal,depth,position,direct,indirect,emission
+    /// [default: all]
+    #[arg(long, value_name = "NAMES", value_parser = layers)]
+    pub layers: Option<Layers>,
+
     /// Write what the render did (passes, rays, photons, seconds, memory) to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -118,6 +138,30 @@ pub struct RenderArguments {
     /// How to work.
     #[command(flatten)]
     pub work: WorkArguments,
+}
+
+/// Where a picture is shown as it grows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PreviewTarget {
+    /// In tev, at this address.
+    Tev(String),
+    /// In the terminal.
+    Terminal,
+}
+
+/// `lampyris completions`.
+#[derive(Args, Debug)]
+pub struct CompletionsArguments {
+    /// The shell
+    pub shell: Shell,
+}
+
+/// `lampyris man`.
+#[derive(Args, Debug)]
+pub struct ManArguments {
+    /// The folder to write them to
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
 }
 
 /// `lampyris photons`.
@@ -149,6 +193,10 @@ pub struct TonemapArguments {
     /// Where to write the result
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+
+    /// Take this layer of an .exr file, such as albedo, instead of the picture
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
 
     /// clamp, equalize, equalize-clamp, gamma, gamma-clamp, reinhard, reinhard-local or filmic
     #[arg(long, value_name = "NAME", default_value = "reinhard")]

@@ -2,7 +2,7 @@
 
 use lampyris::compare::{compare as measure, difference_image};
 use lampyris::error::{Error, Result};
-use lampyris::output::{check_path, read_image, write_image};
+use lampyris::output::{check_path, read_image, read_layer, write_image};
 use lampyris::tonemap::ToneMap;
 
 use crate::args::{CompareArguments, TonemapArguments};
@@ -15,7 +15,10 @@ use crate::report::print;
 pub fn tonemap(arguments: &TonemapArguments) -> Result<()> {
     let operator = operator(arguments)?;
     check_path(&arguments.output)?;
-    let image = read_image(&arguments.input)?;
+    let image = match &arguments.layer {
+        Some(layer) => read_layer(&arguments.input, layer)?,
+        None => read_image(&arguments.input)?,
+    };
     write_image(&arguments.output, &operator.apply(&image, arguments.exposure))
 }
 

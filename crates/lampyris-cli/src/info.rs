@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use lampyris::error::Result;
 use lampyris::geometry::Shape;
 use lampyris::light::Light;
+use lampyris::observer::Silent;
 use lampyris::render::default_passes;
 use lampyris::scene::Scene;
 use lampyris::scene::description::{
@@ -24,7 +25,7 @@ use crate::scene::{heed, read, ready, warnings};
 /// What is wrong with it.
 pub fn check(arguments: &SceneArguments) -> Result<(), Failure> {
     let imported = read(arguments)?;
-    let built = ready(arguments, &imported, &[])?;
+    let built = ready(arguments, &imported, &[], &Silent)?;
     let warnings = warnings(arguments, &imported, &built);
     heed(&warnings, arguments.strict, false)?;
     let mut summary = vec![
@@ -44,7 +45,7 @@ pub fn check(arguments: &SceneArguments) -> Result<(), Failure> {
 /// What is wrong with it.
 pub fn info(arguments: &SceneArguments) -> Result<(), Failure> {
     let imported = read(arguments)?;
-    let built = ready(arguments, &imported, &[])?;
+    let built = ready(arguments, &imported, &[], &Silent)?;
     let warnings = warnings(arguments, &imported, &built);
     if arguments.strict {
         heed(&warnings, true, false)?;

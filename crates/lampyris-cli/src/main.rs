@@ -5,15 +5,18 @@
 mod args;
 mod budget;
 mod format;
+mod generate;
 mod image_commands;
 mod info;
 mod interrupt;
 mod meter;
 mod photons;
+mod preview;
 mod progress;
 mod render;
 mod report;
 mod scene;
+mod snapshots;
 mod stats;
 
 use std::process::ExitCode;
@@ -54,6 +57,8 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => info::check(arguments),
         Command::Tonemap(arguments) => Ok(image_commands::tonemap(arguments)?),
         Command::Compare(arguments) => Ok(image_commands::compare(arguments)?),
+        Command::Completions(arguments) => Ok(generate::completions(arguments.shell)?),
+        Command::Man(arguments) => Ok(generate::man(&arguments.output)?),
         Command::Schema => Ok(report::print(&lampyris::scene::schema::json_schema())?),
     }
 }

@@ -152,6 +152,7 @@ impl Meter {
 impl Observer for Meter {
     fn phase(&self, phase: Phase) {
         self.enter(match phase {
+            Phase::Load => Stage::Build,
             Phase::Pilot => Stage::Pilot,
             Phase::Photons => Stage::Photons,
             Phase::Map => Stage::Map,
@@ -162,6 +163,8 @@ impl Observer for Meter {
     fn work(&self, work: &Work) {
         let mut state = self.state();
         let Reading { work: sum, share, .. } = &mut state.reading;
+        sum.bytes += work.bytes;
+        sum.shapes += work.shapes;
         sum.rays += work.rays;
         sum.light_paths += work.light_paths;
         sum.photons += work.photons;

@@ -9,7 +9,7 @@ use lampyris::scene::description::{BandwidthRule, IntegratorDescription, PhotonM
 use crate::args::PhotonsArguments;
 use crate::format::{plural, time};
 use crate::meter::{Meter, Stage};
-use crate::progress::Display;
+use crate::progress::{Display, Loading};
 use crate::render::pool;
 use crate::report::Failure;
 use crate::scene::{change, heed, read, ready, warnings};
@@ -27,10 +27,14 @@ pub fn run(arguments: &PhotonsArguments) -> Result<(), Failure> {
     imported.description.set("direct", "photons")?;
     change(&mut imported, &arguments.changes)?;
     let pool = pool(arguments.work.threads.map_or(0, usize::from))?;
-    let built = pool.install(|| ready(&arguments.scene, &imported, &arguments.changes.settings))?;
+    let display = Display::new(arguments.work.quiet, false);
+    let loading = Loading::new(&meter, &arguments.scene.scene, display.clone());
+    let built = pool.install(|| ready(&arguments.scene, &imported, &arguments.changes.settings, &loading));
+    display.clear();
+    let built = built?;
     heed(&warnings(&arguments.scene, &imported, &built), arguments.scene.strict, arguments.work.quiet)?;
 
-    let (description, display) = (&imported.description, Display::new(arguments.work.quiet));
+    let description = &imported.description;
     let settings = without_pilot(description)?;
     let pass = Pass { index: 0, seed: description.render.seed };
     display.say(&format!("tracing {} light paths", settings.photons));

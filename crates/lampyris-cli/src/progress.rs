@@ -1,23 +1,27 @@
 //! How the render is getting on: a bar on a terminal, a line now and then elsewhere, nothing if `--quiet`.
 
 use std::io::IsTerminal;
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use lampyris::error::Warning;
 use lampyris::film::Film;
 use lampyris::integrator::{Observer, Phase, Work};
 
 use crate::budget::Budget;
-use crate::format::{count, percent, time};
-use crate::meter::{Meter, Stage};
-use crate::report::say;
+use crate::format::{count, percent, plural, time};
+use crate::meter::{Meter, Reading, Stage};
+use crate::preview::{Preview, Terminal};
+use crate::report::{say, warn};
 
 /// Shows what it observes, and counts it with a [`Meter`].
 pub struct Progress<'m> {
     meter: &'m Meter,
     budget: Budget,
     display: Display,
+    preview: Option<Preview>,
     state: Mutex<State>,
 }
 
@@ -39,21 +43,33 @@ struct State {
     shown: Instant,
 }
 
+/// How often the bar is drawn, at most, alone and with a picture.
+const BARS_PER_SECOND: u8 = 20;
+const PICTURES_PER_SECOND: u8 = 2;
+
+/// The bar, with room for a picture above it.
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{picture}[{bar:30}] {prefix}\n{wide_msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ")
+        .with_key("picture", |_: &ProgressState, _: &mut dyn std::fmt::Write| {})
+}
+
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
 impl Display {
-    /// What suits the standard error.
-    pub fn new(quiet: bool) -> Display {
+    /// What suits the standard error; with or without room for a picture.
+    pub fn new(quiet: bool, has_picture: bool) -> Display {
         let is_dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
         match std::io::stderr().is_terminal() && !is_dumb {
             _ if quiet => Display::Quiet,
             false => Display::Lines,
             true => {
-                let style = ProgressStyle::with_template("[{bar:30}] {prefix}\n{wide_msg}")
-                    .unwrap_or_else(|_| ProgressStyle::default_bar())
-                    .progress_chars("=> ");
-                Display::Bar(ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr()).with_style(style))
+                // A picture is a thousand times the text of the bar, and terminals may be far away.
+                let per_second = if has_picture { PICTURES_PER_SECOND } else { BARS_PER_SECOND };
+                let target = ProgressDrawTarget::stderr_with_hz(per_second);
+                Display::Bar(ProgressBar::with_draw_target(Some(STEPS), target).with_style(style()))
             }
         }
     }
@@ -67,6 +83,33 @@ impl Display {
         }
     }
 
+    /// Takes the bar from the screen, until it is needed again.
+    pub fn clear(&self) {
+        if let Display::Bar(bar) = self {
+            bar.finish_and_clear();
+            bar.set_prefix("");
+            bar.reset();
+        }
+    }
+
+    /// Tells of a warning.
+    pub fn warn(&self, warning: &Warning) {
+        match self {
+            Display::Quiet => {}
+            Display::Lines => warn(warning),
+            Display::Bar(bar) => bar.suspend(|| warn(warning)),
+        }
+    }
+
+    /// Shows a picture above the bar from now on, and a new one from time to time.
+    pub fn attach(&self, terminal: Arc<Terminal>) {
+        if let Display::Bar(bar) = self {
+            bar.set_style(style().with_key("picture", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+                let _ = out.write_str(&terminal.draw().unwrap_or_default());
+            }));
+        }
+    }
+
     /// How long it lets pass before it shows something new.
     fn interval(&self) -> Duration {
         match self {
@@ -77,14 +120,69 @@ impl Display {
     }
 }
 
+/// How the reading of meshes and pictures and the building of shapes is getting on. What takes a moment is not told.
+pub struct Loading<'m> {
+    meter: &'m Meter,
+    scene: String,
+    display: Display,
+    shown: Mutex<Instant>,
+}
+
+impl<'m> Loading<'m> {
+    /// Before it begins.
+    pub fn new(meter: &'m Meter, scene: &Path, display: Display) -> Loading<'m> {
+        Loading { meter, scene: scene.display().to_string(), display, shown: Mutex::new(Instant::now()) }
+    }
+
+    fn show(&self) {
+        let Reading { work, share, .. } = self.meter.read();
+        let shapes = plural(work.shapes as usize, "shape");
+        let bytes = if work.bytes > 0 { format!(", {}B read", count(work.bytes as f64)) } else { String::new() };
+        let line = format!("loading {}: {} ({shapes}{bytes})", self.scene, percent(share));
+        match &self.display {
+            Display::Quiet => {}
+            Display::Lines => say(&line),
+            Display::Bar(bar) => {
+                bar.set_position((STEPS as f64 * share) as u64);
+                bar.set_prefix(line);
+            }
+        }
+    }
+}
+
+impl Observer for Loading<'_> {
+    fn phase(&self, phase: Phase) {
+        self.meter.phase(phase);
+    }
+
+    fn work(&self, work: &Work) {
+        self.meter.work(work);
+        if let Ok(mut shown) = self.shown.try_lock()
+            && shown.elapsed() >= self.display.interval()
+        {
+            *shown = Instant::now();
+            self.show();
+        }
+    }
+}
+
 impl<'m> Progress<'m> {
     /// Before the first pass.
-    pub fn new(meter: &'m Meter, budget: Budget, display: Display) -> Progress<'m> {
-        Progress { meter, budget, display, state: Mutex::new(State { passes: 0, error: None, shown: Instant::now() }) }
+    pub fn new(meter: &'m Meter, budget: Budget, display: Display, preview: Option<Preview>) -> Progress<'m> {
+        Progress {
+            meter,
+            budget,
+            display,
+            preview,
+            state: Mutex::new(State { passes: 0, error: None, shown: Instant::now() }),
+        }
     }
 
     /// A pass is done.
     pub fn passed(&self, film: &Film) {
+        if let Some(preview) = &self.preview {
+            preview.passed(film);
+        }
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.passes = film.passes();
         let is_due = state.shown.elapsed() >= self.display.interval();
@@ -106,10 +204,18 @@ impl<'m> Progress<'m> {
         self.display.say(line);
     }
 
-    /// Takes the bar away.
-    pub fn finish(&self) {
+    /// Tells of a warning.
+    pub fn warn(&self, warning: &Warning) {
+        self.display.warn(warning);
+    }
+
+    /// Takes the bar away, and lets the preview come to its end.
+    pub fn finish(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
+        }
+        if let Some(preview) = self.preview.take() {
+            preview.finish();
         }
     }
 
@@ -160,6 +266,12 @@ impl<'m> Progress<'m> {
 impl Observer for Progress<'_> {
     fn phase(&self, phase: Phase) {
         self.meter.phase(phase);
+    }
+
+    fn row(&self, y: usize, pixels: &[[f32; 3]]) {
+        if let Some(preview) = &self.preview {
+            preview.row(y, pixels);
+        }
     }
 
     fn work(&self, work: &Work) {

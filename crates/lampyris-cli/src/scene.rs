@@ -3,7 +3,8 @@
 use lampyris::error::{Error, Result, Warning};
 use lampyris::import::load::{LoadOptions, load};
 use lampyris::import::{Files, Imported};
-use lampyris::scene::{Built, build};
+use lampyris::observer::Observer;
+use lampyris::scene::{Built, build_observed};
 
 use crate::args::{ChangeArguments, SceneArguments};
 use crate::report::{Failure, warn};
@@ -35,20 +36,24 @@ pub fn change(imported: &mut Imported, changes: &ChangeArguments) -> Result<()> 
     scene.check_settings()
 }
 
-/// Builds the scene, with the files beside it.
+/// Builds the scene, with the files beside it, and tells `observer` how that is getting on.
 ///
 /// # Errors
 /// Whatever makes no sense in it, with its place.
-pub fn ready(arguments: &SceneArguments, imported: &Imported, set: &[(String, String)]) -> Result<Built> {
-    build(&imported.description, &Files::beside(&arguments.scene).with_embedded(imported.embedded.clone())).map_err(
-        |error| {
-            match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
-                // The line in the file is not to blame for what the command line put in its place.
-                Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
-                None => located(error, arguments, imported),
-            }
-        },
-    )
+pub fn ready(
+    arguments: &SceneArguments,
+    imported: &Imported,
+    set: &[(String, String)],
+    observer: &dyn Observer,
+) -> Result<Built> {
+    let files = Files::beside(&arguments.scene).with_embedded(imported.embedded.clone()).observed(observer);
+    build_observed(&imported.description, &files, observer).map_err(|error| {
+        match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
+            // The line in the file is not to blame for what the command line put in its place.
+            Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),
+            None => located(error, arguments, imported),
+        }
+    })
 }
 
 /// The same error where the scene file says what it is about, or at least with the file's name.

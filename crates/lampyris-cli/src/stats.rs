@@ -1,6 +1,6 @@
 //! What a render did, for programs to read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use lampyris::error::{Error, Result};
 use lampyris::output::write_whole;
@@ -45,6 +45,8 @@ pub struct Stats {
     relative_error: Option<f64>,
     /// Null where the system does not say.
     peak_memory_bytes: Option<u64>,
+    /// Pictures written on the way.
+    snapshots: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -74,6 +76,7 @@ impl Stats {
         render: &Render<'_>,
         meter: &Meter,
         warnings: &[Error],
+        snapshots: &[PathBuf],
         interrupted: bool,
     ) -> Stats {
         let (reading, passes) = (meter.read(), render.film().passes());
@@ -107,6 +110,7 @@ impl Stats {
             },
             relative_error: render.film().relative_error(),
             peak_memory_bytes: peak_memory(),
+            snapshots: snapshots.iter().map(|path| path.display().to_string()).collect(),
             warnings: warnings.iter().map(ToString::to_string).collect(),
         }
     }

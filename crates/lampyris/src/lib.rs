@@ -22,6 +22,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod observer;
 pub mod output;
 pub mod photon;
 pub mod render;

@@ -1,6 +1,6 @@
 //! A render: passes, one after the other, into a film.
 
-use crate::film::Film;
+use crate::film::{Film, Layers};
 use crate::integrator::{Integrator, Observer, Pass, integrator};
 use crate::scene::description::{FilmDescription, IntegratorDescription};
 use crate::scene::{Scene, SceneDescription};
@@ -16,17 +16,28 @@ pub struct Render<'s> {
 
 impl<'s> Render<'s> {
     /// Makes ready to render `scene`, which was built from `description`, with the integrator, film and seed that the
-    /// description names.
+    /// description names, the picture alone.
     pub fn new(scene: &'s Scene, description: &SceneDescription, observer: &dyn Observer) -> Render<'s> {
+        Render::with_layers(scene, description, Layers::NONE, observer)
+    }
+
+    /// [`Render::new`], and these layers beside the picture.
+    pub fn with_layers(
+        scene: &'s Scene,
+        description: &SceneDescription,
+        layers: Layers,
+        observer: &dyn Observer,
+    ) -> Render<'s> {
         let (settings, seed) = (description.film.clone(), description.render.seed);
         let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
-        Render { scene, film: Film::new(settings.size), settings, integrator, seed }
+        Render { scene, film: Film::with_layers(settings.size, layers), settings, integrator, seed }
     }
 
     /// Renders the next pass, on the current `rayon` pool.
     pub fn step(&mut self, observer: &dyn Observer) {
         let pass = Pass { index: self.film.passes(), seed: self.seed };
-        self.film.add(&self.integrator.pass(self.scene, &self.settings, &pass, observer));
+        let layers = self.film.layers();
+        self.film.add_pass(&self.integrator.expose(self.scene, &self.settings, &pass, layers, observer));
     }
 
     /// What was rendered so far.

@@ -68,9 +68,9 @@ fn a_fixed_radius_gives_the_density_without_bias_for_every_kernel() {
         (0..500).map(|seed| PhotonMap::build(uniform(1000, seed), 1, Radius::Fixed(radius))).collect();
     for kernel in Kernel::ALL {
         let estimate = |map: &PhotonMap| {
-            let mut sum = 0.0;
-            map.within(Vec3::ZERO, radius, |_, d2| sum += f64::from(kernel.density::<2>(d2, radius)));
-            sum
+            let mut found = Nearest::default();
+            let photons = map.within(Vec3::ZERO, radius, &mut found);
+            photons.map(|(_, d2)| f64::from(kernel.density::<2>(d2, radius))).sum::<f64>()
         };
         assert_mean(&format!("{kernel:?}"), &maps.iter().map(estimate).collect::<Vec<_>>(), 250.0, 0.0, 0.03);
     }
@@ -97,13 +97,12 @@ proptest! {
         all.sort_by(f32::total_cmp);
         let map = PhotonMap::build(photons, 1, Radius::Fixed(cell));
 
-        let mut within = Vec::new();
-        map.within(center, radius, |_, d2| within.push(d2));
+        let mut found = Nearest::default();
+        let mut within: Vec<f32> = map.within(center, radius, &mut found).map(|(_, d2)| d2).collect();
         within.sort_by(f32::total_cmp);
         let expected: Vec<f32> = all.iter().copied().filter(|&d2| d2 < radius * radius).collect();
         prop_assert_eq!(&within, &expected);
 
-        let mut found = Nearest::default();
         let (reach, nearest) = map.nearest(center, count, radius, &mut found);
         let mut nearest: Vec<f32> = nearest.map(|(_, d2)| d2).collect();
         nearest.sort_by(f32::total_cmp);

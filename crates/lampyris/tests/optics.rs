@@ -215,8 +215,13 @@ fn a_thin_lens_concentrates_light_by_its_focal_length() {
     dome.positions.iter_mut().for_each(|[_, y, _]| *y = -*y);
     dome.normals.iter_mut().for_each(|[x, _, z]| (*x, *z) = (-*x, -*z));
     let one = Paint::grey(1.0);
-    let glass =
-        MaterialDescription::Glass { ior: 1.5, exterior_ior: 1.0, reflectance: one.clone(), transmittance: one };
+    let glass = MaterialDescription::Glass {
+        ior: 1.5,
+        exterior_ior: 1.0,
+        reflectance: one.clone(),
+        transmittance: one,
+        roughness: None,
+    };
     description.shapes.push(mesh(dome, glass));
     let lit = built(description, &format!("photons={paths} bandwidth=fixed radius=1 direct=photons"));
     let gathered_from = spot * focal / (focal - behind);

@@ -188,3 +188,26 @@ fn the_schema_is_there_but_not_in_the_help() {
     assert!(matches!(parsed("lampyris schema"), Command::Schema));
     assert!(!Arguments::command().render_long_help().to_string().contains("schema"));
 }
+
+#[test]
+fn previews_are_tev_a_place_or_the_terminal() {
+    let tev = |address: &str| PreviewTarget::Tev(address.into());
+    assert!(render("").preview.is_empty());
+    assert_eq!(render("--preview").preview, [tev("127.0.0.1:14158")]);
+    assert_eq!(render("--preview tev --preview terminal").preview, [tev("127.0.0.1:14158"), PreviewTarget::Terminal]);
+    assert_eq!(render("--display-server box:99").preview, [tev("box:99")]);
+    assert_eq!(render("--preview [::1]:14158").preview, [tev("[::1]:14158")]);
+    for wrong in ["screen", "box:", ":99", "box:99999"] {
+        assert!(render_refused(&format!("--preview {wrong}")).contains("it must be tev, terminal, or HOST:PORT"));
+    }
+}
+
+#[test]
+fn layers_are_named_or_refused() {
+    use lampyris::film::Layer;
+    assert_eq!(render("").layers, None);
+    assert_eq!(render("--layers none").layers, Some(Layers::NONE));
+    assert_eq!(render("--layers depth").layers, Some(Layers::NONE.with(Layer::Depth)));
+    let message = render_refused("--layers alpha");
+    assert!(message.contains("there is no layer 'alpha'"), "{message}");
+}

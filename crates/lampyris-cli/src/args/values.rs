@@ -4,6 +4,10 @@
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::time::Duration;
 
+use lampyris::film::Layers;
+
+use super::PreviewTarget;
+
 /// `NAME=VALUE`; the value may be empty and hold further `=`.
 pub(super) fn pair(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
@@ -67,4 +71,24 @@ pub(super) fn finite(text: &str) -> Result<f32, String> {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err("it must be a finite number".into()),
     }
+}
+
+/// Where tev listens unless told otherwise.
+const TEV: &str = "127.0.0.1:14158";
+
+/// `tev`, `terminal` or `HOST:PORT`.
+pub(super) fn preview(text: &str) -> Result<PreviewTarget, String> {
+    match (text.trim(), text.trim().rsplit_once(':')) {
+        ("tev", _) => Ok(PreviewTarget::Tev(TEV.into())),
+        ("terminal", _) => Ok(PreviewTarget::Terminal),
+        (address, Some((host, port))) if !host.is_empty() && port.parse::<u16>().is_ok() => {
+            Ok(PreviewTarget::Tev(address.into()))
+        }
+        _ => Err("it must be tev, terminal, or HOST:PORT, such as 127.0.0.1:14158".into()),
+    }
+}
+
+/// `all`, `none`, or names with commas.
+pub(super) fn layers(text: &str) -> Result<Layers, String> {
+    text.parse().map_err(|error: lampyris::error::Error| error.to_string())
 }

@@ -5,6 +5,7 @@
 mod interrupt;
 mod odd_files;
 mod pictures;
+mod previews;
 mod refusals;
 
 use std::path::{Path, PathBuf};

@@ -184,3 +184,81 @@ fn a_reader_who_leaves_early_is_no_error() {
     let output = child.wait_with_output().expect("it ends");
     assert_eq!((output.status.code(), output.stderr), (Some(0), Vec::new()));
 }
+
+#[test]
+fn snapshots_are_the_picture_at_each_doubling_of_passes() {
+    let folder = Folder::with_scene(SCENE);
+    let (_, stderr) = folder.run("render scene.toml -o a.exr -o b.png --passes 5 --snapshots --stats s.json");
+    assert!(stderr.ends_with("wrote a.exr, b.png and 3 snapshots\n"), "{stderr}");
+    let names = ["a.pass0001.png", "a.pass0002.png", "a.pass0004.png"];
+    assert_eq!(stats(&folder)["snapshots"], serde_json::json!(names));
+    assert_eq!(folder.names(), [&["a.exr"], &names[..], &["b.png", "s.json", "scene.toml"]].concat());
+    for (name, passes) in names.iter().zip([1, 2, 4]) {
+        folder.run(&format!("render scene.toml -q -o c.png --passes {passes}"));
+        assert_eq!(folder.read(name), folder.read("c.png"), "{name}");
+    }
+}
+
+#[test]
+fn layers_are_in_exr_files_unless_unwanted() {
+    let folder = Folder::with_scene(SCENE);
+    let layer = |file: &str, name: &str| {
+        let output = folder.lampyris(&format!("tonemap {file} -o l.pfm --operator clamp --layer {name}")).output();
+        output.expect("it runs").status.code()
+    };
+    folder.run("render scene.toml -q -o a.exr");
+    folder.run("render scene.toml -q -o b.exr --layers none");
+    folder.run("render scene.toml -q -o c.exr --layers depth,normal");
+    for name in ["albedo", "normal", "depth", "position", "direct", "indirect", "emission"] {
+        let is_asked = matches!(name, "depth" | "normal");
+        let codes = ["a.exr", "b.exr", "c.exr"].map(|file| layer(file, name));
+        assert_eq!(codes, [Some(0), Some(2), Some(if is_asked { 0 } else { 2 })], "{name}");
+    }
+    for other in ["b.exr", "c.exr"] {
+        let (table, _) = folder.run(&format!("compare a.exr {other}"));
+        assert!(table.contains("largest difference  0\n"), "{other}: {table}");
+    }
+    let message = folder.refuse("render scene.toml -o d.png --layers depth");
+    assert!(message.starts_with("error: only .exr files hold layers"), "{message}");
+}
+
+#[test]
+fn exr_files_say_where_they_come_from() {
+    let folder = Folder::with_scene(SCENE);
+    folder.run("render scene.toml -q -o a.exr --seed 7 --passes 3");
+    let bytes = folder.read("a.exr");
+    let has = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    for text in ["lampyris:scene", "render scene.toml -q -o a.exr --seed 7 --passes 3", "photon-map", "Lampyris 0."] {
+        assert!(has(text), "{text}");
+    }
+    for name in ["command", "version", "integrator", "seed", "passes", "seconds"] {
+        assert!(has(&format!("lampyris:{name}\0")), "{name}");
+    }
+}
+
+const COMMANDS: [&str; 8] = ["render", "photons", "info", "check", "tonemap", "compare", "completions", "man"];
+
+#[test]
+fn completions_know_every_command() {
+    let folder = Folder::with_scene(SCENE);
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let (script, _) = folder.run(&format!("completions {shell}"));
+        for word in COMMANDS.iter().chain(&["integrator", "snapshots"]) {
+            assert!(script.contains(word), "{shell} knows no {word}");
+        }
+    }
+}
+
+#[test]
+fn man_pages_are_written_for_every_command() {
+    let folder = Folder::with_scene(SCENE);
+    folder.run("man -o share/man1");
+    let page = |name: &str| String::from_utf8(folder.read(&format!("share/man1/{name}.1"))).expect("text");
+    let main = page("lampyris");
+    for command in COMMANDS {
+        assert!(main.contains(&format!("lampyris\\-{command}")), "{command}");
+        assert!(page(&format!("lampyris-{command}")).contains(&format!(".TH lampyris-{command} 1")), "{command}");
+    }
+    assert!(page("lampyris-render").contains("snapshots"));
+    assert!(!folder.path("share/man1/lampyris-schema.1").exists(), "hidden commands stay hidden");
+}

@@ -1,6 +1,11 @@
 //! The picture as it grows, pass by pass.
 
 mod filter;
+mod layers;
+
+pub use layers::{Exposure, Features, Layer, Layered, Layers, Plain, Sink};
+
+use layers::LayerSums;
 
 use crate::image::{Image, luminance};
 
@@ -13,16 +18,30 @@ pub struct Film {
     sums: Vec<[f64; 3]>,
     /// Σ luminance² of the passes.
     squares: Vec<f64>,
+    layers: LayerSums,
 }
 
 impl Film {
-    /// Before the first pass.
-    pub fn new([width, height]: [u32; 2]) -> Film {
-        let (width, height) = (width as usize, height as usize);
-        Film { width, height, passes: 0, sums: vec![[0.0; 3]; width * height], squares: vec![0.0; width * height] }
+    /// Before the first pass, for the picture alone.
+    pub fn new(size: [u32; 2]) -> Film {
+        Film::with_layers(size, Layers::NONE)
     }
 
-    /// Adds a pass.
+    /// Before the first pass, for a picture with these layers.
+    pub fn with_layers([width, height]: [u32; 2], layers: Layers) -> Film {
+        let (width, height) = (width as usize, height as usize);
+        let pixels = width * height;
+        Film {
+            width,
+            height,
+            passes: 0,
+            sums: vec![[0.0; 3]; pixels],
+            squares: vec![0.0; pixels],
+            layers: LayerSums::new(layers, pixels),
+        }
+    }
+
+    /// Adds the picture of a pass.
     ///
     /// # Panics
     /// If the picture has another size.
@@ -35,6 +54,27 @@ impl Film {
             *square += f64::from(luminance(pixel)).powi(2);
         }
         self.passes += 1;
+    }
+
+    /// Adds a pass, with what it tells of the layers.
+    ///
+    /// # Panics
+    /// If the picture has another size.
+    pub fn add_pass(&mut self, pass: &Exposure) {
+        self.add(&pass.image);
+        self.layers.add(&pass.features);
+    }
+
+    /// The layers that are kept beside the picture.
+    pub fn layers(&self) -> Layers {
+        self.layers.layers()
+    }
+
+    /// The mean of a layer over the passes, if it is kept and the passes told of it (pictures of the photon map itself
+    /// have no layers). A layer of one channel has it three times.
+    pub fn layer(&self, layer: Layer) -> Option<Image> {
+        let values = self.layers.values(layer, &self.sums, f64::from(self.passes.max(1)))?;
+        Image::from_pixels(self.width, self.height, values)
     }
 
     /// How many passes were added.

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::{Imported, mitsuba, toml};
+use super::files::mesh_extension;
+use super::{Imported, gltf, mitsuba, obj_scene, pbrt, toml};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Endings of the scene files that [`load`] reads.
-pub const FORMATS: [&str; 2] = ["toml", "xml"];
+pub const FORMATS: [&str; 8] = ["toml", "xml", "pbrt", "gltf", "glb", "obj", "ply", "stl"];
 
 /// What a user may say about how a scene file is to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,25 +24,29 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Imported> {
     if path.is_dir() {
         return Err(Error::new(format!("'{}' is a folder, not a scene file", path.display())));
     }
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some("toml") => {
-            if let Some((name, _)) = options.defines.first() {
-                return Err(Error::new(format!("cannot define '{name}': a .toml scene has no parameters"))
-                    .with_file(path)
-                    .with_hint("to change a setting, use --set"));
-            }
-            toml::read(path)
-        }
-        Some("xml") => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
-        Some(other) => {
+    let ending = mesh_extension(path);
+    if let ("toml" | "pbrt" | "gltf" | "glb" | "obj" | "ply" | "stl", Some((name, _))) =
+        (ending.as_str(), options.defines.first())
+    {
+        return Err(Error::new(format!("cannot define '{name}': a .{ending} scene has no parameters"))
+            .with_file(path)
+            .with_hint("to change a setting, use --set"));
+    }
+    match ending.as_str() {
+        "toml" => toml::read(path),
+        "xml" => mitsuba::read(path, &mitsuba::Options { defines: options.defines.clone() }),
+        "pbrt" => pbrt::read(path),
+        "gltf" | "glb" => gltf::read(path),
+        "obj" => obj_scene::read(path),
+        "ply" | "stl" => obj_scene::read_mesh(path),
+        "" => Err(Error::new(format!("cannot read '{}': its name has no ending", path.display())).with_hint(known())),
+        other => {
             let error = Error::new(format!("cannot read '{}': unknown scene format '.{other}'", path.display()));
             Err(match did_you_mean(other, FORMATS) {
                 Some(near) => error.with_hint(format!("did you mean '.{near}'?")),
                 None => error.with_hint(known()),
             })
         }
-        None => Err(Error::new(format!("cannot read '{}': its name has no ending", path.display())).with_hint(known())),
     }
 }
 
@@ -60,14 +65,17 @@ mod tests {
     #[test]
     fn an_unknown_ending_names_the_known_ones() {
         let message = message(Path::new("scene.blend"));
-        assert_eq!(message, "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml");
+        assert_eq!(
+            message,
+            "cannot read 'scene.blend': unknown scene format '.blend'; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
+        );
     }
 
     #[test]
     fn a_name_without_ending_names_the_known_ones() {
         assert_eq!(
             message(Path::new("scene")),
-            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml"
+            "cannot read 'scene': its name has no ending; scene files end in .toml, .xml, .pbrt, .gltf, .glb, .obj, .ply, .stl"
         );
     }
 

@@ -1,13 +1,24 @@
 //! Scene files, meshes and pictures, read into the library's own types.
 
 mod files;
+mod framing;
+pub mod gltf;
+mod gzip;
 pub mod load;
 mod mesh;
 pub mod mitsuba;
+mod mtl;
+mod named;
 pub mod obj;
+pub mod obj_scene;
+pub mod pbrt;
 pub mod ply;
 pub mod serialized;
+mod source;
+mod spectrum;
+pub mod stl;
 pub mod toml;
+mod value;
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -3,7 +3,8 @@
 //! Read by our own tokenizer and not by `tobj`, which the tests use as a second opinion: its errors name no line,
 //! it stops at names that are not UTF-8, and it fans concave polygons, which then overlap.
 //!
-//! Faces of all groups, objects and materials become one mesh. Smoothing groups, curves, surfaces, points, lines,
+//! As a mesh, faces of all groups, objects and materials become one; as a scene ([`super::obj_scene`]) the materials
+//! stay apart. Smoothing groups of meshes, curves, surfaces, points, lines,
 //! vertex colours and statements of later dialects are passed over.
 
 use std::borrow::Cow;
@@ -29,12 +30,55 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<MeshData> {
     let text = decode(bytes);
     let source = Source { name, text: &text };
     let lists = source.lists()?;
-    mesh::finish(name, source.faces(&lists)?)
+    let mut parts = source.faces(&lists, false)?.parts;
+    mesh::finish(name, parts.pop().map(|part| part.mesh).unwrap_or_default())
+}
+
+/// The faces of one material.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    /// What `usemtl` named; empty before the first.
+    pub material: String,
+    pub mesh: MeshData,
+}
+
+/// An OBJ file, its faces apart by their materials.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub parts: Vec<Part>,
+    /// What stands after each `mtllib`, and where.
+    pub libraries: Vec<(String, Place)>,
+}
+
+/// Reads the OBJ file `name` as [`read`] does, but its materials apart. Parts under a smoothing group that have no
+/// normals get smooth ones.
+pub(super) fn read_parts(name: &str, bytes: &[u8]) -> Result<Parts> {
+    if bytes.is_empty() {
+        return Err(mesh::unreadable(name, "it is empty"));
+    }
+    let text = decode(bytes);
+    let source = Source { name, text: &text };
+    let lists = source.lists()?;
+    let mut found = source.faces(&lists, true)?;
+    let (whole, points): (Vec<Part>, _) = found
+        .parts
+        .into_iter()
+        .partition(|part| part.mesh.triangles.iter().any(|[a, b, c]| a != b && b != c && c != a));
+    let finished = |part: Part| Ok(Part { mesh: mesh::finish(name, part.mesh)?, ..part });
+    found.parts = match whole.is_empty() {
+        // Says that there are no faces.
+        true => points.into_iter().take(1).map(finished).collect::<Result<_>>()?,
+        false => whole.into_iter().map(finished).collect::<Result<_>>()?,
+    };
+    match found.parts.is_empty() {
+        true => mesh::finish(name, MeshData::default()).map(|_| Parts::default()),
+        false => Ok(found),
+    }
 }
 
 /// The text of a file by its byte order mark, or else UTF-8; what is neither becomes U+FFFD, which harms only names
 /// and comments. Line ends of old Macs become ours, and so do lines count.
-fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.as_chunks().0.iter().map(|&pair| unit(pair)).collect();
         Cow::Owned(String::from_utf16_lossy(&units))
@@ -65,14 +109,14 @@ type Corner = [Option<u32>; 3];
 /// What the three numbers of a corner are called, in words and as statements.
 const KINDS: [(&str, &str); 3] = [("vertex", "v"), ("texture coordinate", "vt"), ("normal", "vn")];
 
-struct Source<'a> {
-    name: &'a str,
-    text: &'a str,
+pub(super) struct Source<'a> {
+    pub name: &'a str,
+    pub text: &'a str,
 }
 
 impl<'a> Source<'a> {
     /// Calls `visit` with the words of each statement, comments and continued lines resolved.
-    fn statements(&self, mut visit: impl FnMut(&[&'a str]) -> Result<()>) -> Result<()> {
+    pub(super) fn statements(&self, mut visit: impl FnMut(&[&'a str]) -> Result<()>) -> Result<()> {
         let mut words: Vec<&str> = Vec::new();
         for line in self.text.split('\n') {
             words.extend(line.split_ascii_whitespace());
@@ -106,16 +150,29 @@ impl<'a> Source<'a> {
         Ok(lists)
     }
 
-    /// The second reading: the faces.
-    fn faces(&self, lists: &Lists) -> Result<MeshData> {
+    /// The second reading: the faces, of each material apart if `split`.
+    fn faces(&self, lists: &Lists, split: bool) -> Result<Parts> {
         let mut counts = Counts::default();
-        let mut mesh = Collector::new(lists);
+        let mut meshes = vec![(String::new(), Collector::new(lists))];
+        let mut by_name = HashMap::from([(String::new(), 0)]);
+        let mut current = 0;
+        let mut smoothing = false;
+        let mut libraries = Vec::new();
         let mut corners: Vec<Corner> = Vec::new();
         self.statements(|words| {
             match words[0] {
                 "v" => counts[0] += 1,
                 "vt" => counts[1] += 1,
                 "vn" => counts[2] += 1,
+                "usemtl" if split => {
+                    let name = words[1..].join(" ");
+                    current = *by_name.entry(name.clone()).or_insert_with(|| {
+                        meshes.push((name, Collector::new(lists)));
+                        meshes.len() - 1
+                    });
+                }
+                "mtllib" if words.len() > 1 => libraries.push((words[1..].join(" "), self.place(words[1]))),
+                "s" => smoothing = !matches!(words.get(1), None | Some(&"off" | &"0")),
                 // `fo` is what version 2 of the format called a face.
                 "f" | "fo" => {
                     if words.len() == 1 {
@@ -126,13 +183,16 @@ impl<'a> Source<'a> {
                     for word in &words[1..] {
                         corners.push(self.corner(word, counts, lists)?);
                     }
+                    let mesh = &mut meshes[current].1;
+                    mesh.smooth |= split && smoothing;
                     mesh.add(&corners);
                 }
                 _ => {}
             }
             Ok(())
         })?;
-        Ok(mesh.into_mesh())
+        let parts = meshes.into_iter().map(|(material, mesh)| Part { material, mesh: mesh.into_mesh() }).collect();
+        Ok(Parts { parts, libraries })
     }
 
     /// The numbers of a `v`: finite, whereas `vt` and `vn` that are not can be mended.
@@ -192,9 +252,14 @@ impl<'a> Source<'a> {
     }
 
     /// An error at `word`, which is a part of the text.
-    fn error(&self, word: &str, message: impl Into<String>) -> Error {
+    pub(super) fn error(&self, word: &str, message: impl Into<String>) -> Error {
+        Error::new(message).with_place(self.place(word))
+    }
+
+    /// Where `word` stands, which is a part of the text.
+    pub(super) fn place(&self, word: &str) -> Place {
         let start = word.as_ptr() as usize - self.text.as_ptr() as usize;
-        Error::new(message).with_place(Place::of(self.name, self.text, start..start + word.len()))
+        Place::of(self.name, self.text, start..start + word.len())
     }
 }
 
@@ -215,12 +280,14 @@ struct Collector<'a> {
     vertices: HashMap<Corner, u32>,
     outline: Vec<[f32; 3]>,
     cut: Vec<[u32; 3]>,
+    /// Whether some face asked for smooth normals.
+    smooth: bool,
 }
 
 impl<'a> Collector<'a> {
     fn new(lists: &'a Lists) -> Collector<'a> {
         let mesh = MeshData::default();
-        Collector { lists, mesh, vertices: HashMap::new(), outline: Vec::new(), cut: Vec::new() }
+        Collector { lists, mesh, vertices: HashMap::new(), outline: Vec::new(), cut: Vec::new(), smooth: false }
     }
 
     fn add(&mut self, corners: &[Corner]) {
@@ -242,6 +309,9 @@ impl<'a> Collector<'a> {
         }
         if self.vertices.keys().all(|corner| corner[2].is_none()) {
             self.mesh.normals.clear();
+        }
+        if self.smooth && self.mesh.normals.is_empty() && self.mesh.fault().is_none() {
+            self.mesh.compute_normals();
         }
         self.mesh
     }

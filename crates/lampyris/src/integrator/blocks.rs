@@ -6,7 +6,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
-use crate::geometry::Ray;
+use crate::film::{Exposure, Features, Sink};
 use crate::image::Image;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
@@ -14,41 +14,47 @@ use crate::scene::description::FilmDescription;
 use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
-/// Walks from the camera: calls `sample` for every sample of every pixel, with its ray and the working space of its row
-/// that `new` makes, and takes the mean. `sample` returns radiance and the number of rays that it traced.
-pub(super) fn camera_pass<W>(
+/// Walks from the camera: calls `sample` for every sample of every pixel, with its path at the start, the working space of
+/// its row that `new` makes, and the pixel's sink, and takes the mean. `sample` returns the number of rays that it traced.
+pub(super) fn camera_pass<W, S: Sink>(
     scene: &Scene,
     film: &FilmDescription,
     pass: &Pass,
     samples: u32,
     observer: &dyn Observer,
     new: impl Fn() -> W + Sync,
-    sample: impl Fn(Ray, &mut Sampler, &mut W) -> (Spectrum, u32) + Sync,
-) -> Image {
+    sample: impl Fn(PathState, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
+) -> Exposure {
     let [width, height] = film.size.map(|side| side as usize);
-    let rows: Vec<Vec<[f32; 3]>> = (0..height)
+    let rows: Vec<(Vec<[f32; 3]>, Vec<Features>)> = (0..height)
         .into_par_iter()
         .map(|y| {
             let (mut working, mut rays) = (new(), 0);
-            let mut pixel = |x: usize| {
-                let mut sampler = Sampler::new(pass.seed, pass.index, purpose::CAMERA, (y * width + x) as u64);
+            let mut pixels = Vec::with_capacity(width);
+            let mut features = Vec::with_capacity(if S::LAYERED { width } else { 0 });
+            for x in 0..width {
+                let family = (y * width + x) as u64;
+                let first = u64::from(pass.index) * u64::from(samples);
                 let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                let mut sum = Spectrum::ZERO;
-                for _ in 0..samples {
+                let mut sink = S::default();
+                for number in first..first + u64::from(samples) {
+                    let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
                     let at = center + film.filter.sample(sampler.square());
                     let (ray, response) = scene.view(at, &mut sampler);
-                    let (radiance, traced) = sample(ray, &mut sampler, &mut working);
-                    sum += radiance * response;
-                    rays += u64::from(traced);
+                    let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
+                    rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 }
-                (sum / samples as f32).to_rgb()
-            };
-            let row = (0..width).map(&mut pixel).collect();
+                pixels.push((sink.radiance() / samples as f32).to_rgb());
+                features.extend(sink.features(samples));
+            }
+            observer.row(y, &pixels);
             observer.work(&Work { rays, share: 1.0 / height as f64, ..Work::default() });
-            row
+            (pixels, features)
         })
         .collect();
-    Image::from_pixels(width, height, rows.concat()).unwrap_or_else(|| Image::new(width, height))
+    let (pixels, features): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+    let image = Image::from_pixels(width, height, pixels.concat()).unwrap_or_else(|| Image::new(width, height));
+    Exposure { image, features: features.concat() }
 }
 
 /// Light paths are traced in blocks of this many.
@@ -70,7 +76,8 @@ pub(super) fn light_pass<V: Visitor + Send>(
         let light_paths = range.end - range.start;
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
-            let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
+            let number = u64::from(pass.index) * paths + index;
+            let mut sampler = Sampler::even(pass.seed, purpose::LIGHT, 0, number);
             let Some(emission) = scene.emit(&mut sampler) else { continue };
             let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);

@@ -6,8 +6,8 @@
 use glam::Vec2;
 
 use super::blocks::{camera_pass, light_pass};
-use super::{Integrator, Observer, Pass, Phase};
-use crate::image::Image;
+use super::{Integrator, Observer, Pass, Phase, Work};
+use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings};
@@ -23,7 +23,14 @@ pub struct LightTracing {
 }
 
 impl Integrator for LightTracing {
-    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
+    fn expose(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        layers: Layers,
+        observer: &dyn Observer,
+    ) -> Exposure {
         let [width, height] = film.size;
         let paths = self.settings.photons.map_or(u64::from(width) * u64::from(height), u64::from);
         let max_bounces = self.settings.max_bounces;
@@ -31,23 +38,15 @@ impl Integrator for LightTracing {
         let new = || Splat { scene, film, splats: Vec::new(), max_bounces };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
-        let mut image = camera_pass(
-            scene,
-            film,
-            pass,
-            1,
-            observer,
-            || (),
-            |ray, _, ()| {
-                (scene.closest(&ray).map_or_else(|| scene.background(ray.direction), |point| scene.emitted(&point)), 1)
-            },
-        );
+        let mut exposure = match layers.is_empty() {
+            true => emission::<Plain>(scene, film, pass, observer),
+            false => emission::<Layered>(scene, film, pass, observer),
+        };
         let scale = 1.0 / paths as f32;
-        for (pixel, light) in blocks.into_iter().flat_map(|block| block.splats) {
-            let sum = &mut image.pixels_mut()[pixel as usize];
-            *sum = (Spectrum::from_rgb(*sum) + light * scale).to_rgb();
+        for Arrival { pixel, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
+            exposure.splat(pixel as usize, light * scale, is_direct);
         }
-        image
+        exposure
     }
 
     fn name(&self) -> &'static str {
@@ -55,12 +54,61 @@ impl Integrator for LightTracing {
     }
 }
 
+/// Lamps and the background in plain sight.
+fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+    camera_pass(
+        scene,
+        film,
+        pass,
+        1,
+        &Rowless(observer),
+        || (),
+        |path, _, (), sink: &mut S| {
+            let (mut light, mut ray, mut share, mut rays) = (Spectrum::ZERO, path.ray, 1.0, 0);
+            // On through holes, if there are any.
+            while share > 0.0 {
+                let Some(point) = scene.closest_in_cone(&ray, path.cone) else {
+                    light += scene.background(ray.direction) * share;
+                    break;
+                };
+                if rays == 0 {
+                    sink.surface(&point, &path);
+                }
+                rays += 1;
+                light += scene.emitted(&point) * share;
+                share *= point.bsdf.holes();
+                ray = point.surface.spawn(ray.direction);
+            }
+            sink.add(path.throughput * light, 0);
+            rays.max(1)
+        },
+    )
+}
+
+/// Passes on everything but rows, which lack most of their light.
+struct Rowless<'a>(&'a dyn Observer);
+
+impl Observer for Rowless<'_> {
+    fn work(&self, work: &Work) {
+        self.0.work(work);
+    }
+}
+
+/// Light that arrives at the camera.
+struct Arrival {
+    /// The number of the pixel.
+    pixel: u32,
+    /// Radiance as if the path were the only one.
+    light: Spectrum,
+    /// Whether it has been scattered only once.
+    is_direct: bool,
+}
+
 /// Connects every vertex to the camera.
 struct Splat<'a> {
     scene: &'a Scene,
     film: &'a FilmDescription,
-    /// Pixel numbers and what arrives there, as if the path were the only one.
-    splats: Vec<(u32, Spectrum)>,
+    splats: Vec<Arrival>,
     max_bounces: u32,
 }
 
@@ -76,7 +124,7 @@ impl Visitor for Splat<'_> {
 }
 
 impl Splat<'_> {
-    fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2, offset: Vec2) -> Option<(u32, Spectrum)> {
+    fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2, offset: Vec2) -> Option<Arrival> {
         let seen = self.scene.seen_by_camera(point.surface.position, lens)?;
         let pixel = self.film.pixel_number(seen.pixel + self.film.filter.sample(offset))?;
         let to_camera = (seen.lens - point.surface.position).normalize();
@@ -84,7 +132,8 @@ impl Splat<'_> {
         let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
             / point.geometric_over_shading(point.to_previous).max(1e-3);
         let value = point.eval(to_camera) * (cos * seen.importance);
-        let arrives = !value.is_zero() && !self.scene.occluded(&point.surface, seen.lens);
-        arrives.then(|| (pixel, path.throughput * value))
+        let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
+        let light = path.throughput * value * visibility;
+        (visibility > 0.0).then(|| Arrival { pixel, light, is_direct: path.bounce == 0 })
     }
 }

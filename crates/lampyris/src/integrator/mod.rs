@@ -11,7 +11,9 @@ pub use light::LightTracing;
 pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
 
+use crate::film::{Exposure, Layers};
 use crate::image::Image;
+pub use crate::observer::{Observer, Phase, Silent, Work};
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, IntegratorDescription};
 
@@ -26,56 +28,24 @@ pub struct Pass {
 
 /// A way to compute light.
 pub trait Integrator: Send + Sync {
-    /// The picture of one pass, in linear radiance: a pure function of scene and pass, up to the last bit, on any number
-    /// of threads of the current `rayon` pool.
-    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image;
+    /// One pass, with what these layers need: a pure function of scene and pass, up to the last bit, on any number of
+    /// threads of the current `rayon` pool. The picture is the same for any layers.
+    fn expose(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        layers: Layers,
+        observer: &dyn Observer,
+    ) -> Exposure;
+
+    /// The picture of one pass alone, in linear radiance.
+    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
+        self.expose(scene, film, pass, Layers::NONE, observer).image
+    }
 
     /// Its name on the command line.
     fn name(&self) -> &'static str;
-}
-
-/// Who wants to know how a pass is getting on. Called from many threads.
-pub trait Observer: Sync {
-    /// A phase begins.
-    fn phase(&self, _phase: Phase) {}
-
-    /// Some work was done.
-    fn work(&self, _work: &Work) {}
-}
-
-/// Nobody wants to know.
-pub struct Silent;
-
-impl Observer for Silent {}
-
-/// The phases of a pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Phase {
-    /// The radius is chosen, once, before the first pass.
-    Pilot,
-    /// Walks from the lamps.
-    Photons,
-    /// The photons are sorted.
-    Map,
-    /// Walks from the camera.
-    Camera,
-}
-
-/// Work done since the last report.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
-    /// Rays traced, shadow rays not counted.
-    pub rays: u64,
-    /// Walks from lamps.
-    pub light_paths: u64,
-    /// Photons stored.
-    pub photons: u64,
-    /// Flux that the lamps emitted, in W, mean of the lanes, as of one pass.
-    pub flux_emitted: f64,
-    /// Flux that was lost because its path grew too long.
-    pub flux_cut: f64,
-    /// Share of the current phase.
-    pub share: f64,
 }
 
 /// The integrator that a scene file or a command line asks for. Chooses the photon map's first radius by a pilot

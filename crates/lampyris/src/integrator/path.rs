@@ -4,12 +4,11 @@ use glam::Vec3;
 
 use super::blocks::camera_pass;
 use super::{Integrator, Observer, Pass, Phase};
-use crate::image::Image;
+use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, PathSettings};
 use crate::scene::{Scene, SurfacePoint};
-use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, mis_weight, walk};
 
 /// See the module.
@@ -23,23 +22,19 @@ pub struct PathTracing {
 pub(super) const CAMERA_ROULETTE_FROM: u32 = 4;
 
 impl Integrator for PathTracing {
-    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
+    fn expose(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        layers: Layers,
+        observer: &dyn Observer,
+    ) -> Exposure {
         observer.phase(Phase::Camera);
-        let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(
-            scene,
-            film,
-            pass,
-            self.settings.samples,
-            observer,
-            || (),
-            |ray, sampler, ()| {
-                let mut look = Look { scene, max_bounces: limits.max_bounces, radiance: Spectrum::ZERO, last: None };
-                let walked =
-                    walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, sampler, &mut look);
-                (look.radiance, walked.rays)
-            },
-        )
+        match layers.is_empty() {
+            true => self.look::<Plain>(scene, film, pass, observer),
+            false => self.look::<Layered>(scene, film, pass, observer),
+        }
     }
 
     fn name(&self) -> &'static str {
@@ -47,24 +42,45 @@ impl Integrator for PathTracing {
     }
 }
 
+impl PathTracing {
+    fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+        let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+        let samples = self.settings.samples;
+        camera_pass(
+            scene,
+            film,
+            pass,
+            samples,
+            observer,
+            || (),
+            |path, sampler, (), sink: &mut S| {
+                let mut look = Look { scene, max_bounces: limits.max_bounces, sink, last: None };
+                walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
+            },
+        )
+    }
+}
+
 /// Adds up the light that a path from the camera meets.
-struct Look<'s> {
-    scene: &'s Scene,
+struct Look<'a, S> {
+    scene: &'a Scene,
     max_bounces: u32,
-    radiance: Spectrum,
+    sink: &'a mut S,
     /// Where and with which density the last smooth event chose its direction; none after a delta event.
     last: Option<(Vec3, f32)>,
 }
 
-impl Visitor for Look<'_> {
+impl<S: Sink> Visitor for Look<'_, S> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
+        self.sink.surface(point, path);
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
             let weight = self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, self.scene.emitted_pdf(from, point)));
-            self.radiance += path.throughput * emitted * weight;
+            self.sink.add(path.throughput * emitted * weight, path.bounce);
         }
         if path.bounce < self.max_bounces {
-            self.radiance += path.throughput * direct_light(self.scene, point, Some(Lobes::ALL), sampler);
+            let light = direct_light(self.scene, point, Some(Lobes::ALL), sampler);
+            self.sink.add(path.throughput * light, path.bounce + 1);
         }
         Lobes::ALL
     }
@@ -76,6 +92,6 @@ impl Visitor for Look<'_> {
 
     fn escaped(&mut self, path: &PathState) {
         let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf(path.ray.direction)));
-        self.radiance += path.throughput * self.scene.background(path.ray.direction) * weight;
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction) * weight, path.bounce);
     }
 }

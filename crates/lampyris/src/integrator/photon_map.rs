@@ -3,13 +3,12 @@
 use super::blocks::{BLOCK, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work, dots, pilot};
-use crate::image::Image;
+use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Deposit, Estimate, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
 use crate::scene::description::{BandwidthRule, Direct, FilmDescription, PhotonMapSettings, Show};
 use crate::scene::{Scene, SurfacePoint};
-use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
 
 /// See the module.
@@ -56,38 +55,43 @@ impl PhotonMapping {
         photon_map(scene, &self.settings, pass, self.bandwidth.radius::<2>(pass.index), observer)
     }
 
-    fn look(
+    fn look<S: Sink>(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         map: &PhotonMap,
         observer: &dyn Observer,
-    ) -> Image {
+    ) -> Exposure {
         let radius = self.bandwidth.radius::<2>(pass.index);
         let estimate = Estimate { map, kernel: self.settings.kernel, radius };
         let max_bounces = self.settings.max_bounces;
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let next_event = self.settings.direct == Direct::NextEvent;
+        let direct = self.settings.direct;
         let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, |ray, sampler, found| {
-            let mut gather =
-                Gather { scene, estimate: &estimate, next_event, max_bounces, found, radiance: Spectrum::ZERO };
-            let path = PathState::new(ray, Spectrum::ONE);
-            let walked = walk(scene, path, Origin::Camera, &limits, sampler, &mut gather);
-            (gather.radiance, walked.rays)
+        camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
+            let mut gather = Gather { scene, estimate: &estimate, direct, max_bounces, found, sink };
+            walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
         })
     }
 }
 
 impl Integrator for PhotonMapping {
-    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
+    fn expose(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        layers: Layers,
+        observer: &dyn Observer,
+    ) -> Exposure {
         let map = self.map(scene, pass, observer);
         observer.phase(Phase::Camera);
         match self.settings.show {
-            Show::Radiance => self.look(scene, film, pass, &map, observer),
-            Show::Photons => dots::draw(scene, film, &map, |_| true),
-            Show::Caustics => dots::draw(scene, film, &map, Photon::is_caustic),
+            Show::Radiance if layers.is_empty() => self.look::<Plain>(scene, film, pass, &map, observer),
+            Show::Radiance => self.look::<Layered>(scene, film, pass, &map, observer),
+            Show::Photons => dots::draw(scene, film, &map, |_| true).into(),
+            Show::Caustics => dots::draw(scene, film, &map, Photon::is_caustic).into(),
         }
     }
 
@@ -118,30 +122,37 @@ pub(super) fn photon_map(
 }
 
 /// Gathers photons at smooth lobes and follows delta lobes.
-struct Gather<'a> {
+struct Gather<'a, S> {
     scene: &'a Scene,
     estimate: &'a Estimate<'a>,
-    next_event: bool,
+    direct: Direct,
     max_bounces: u32,
     found: &'a mut Nearest,
-    radiance: Spectrum,
+    sink: &'a mut S,
 }
 
-impl Visitor for Gather<'_> {
+impl<S: Sink> Visitor for Gather<'_, S> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
-        let mut radiance = self.scene.emitted(point);
+        self.sink.surface(point, path);
+        self.sink.add(path.throughput * self.scene.emitted(point), path.bounce);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
-            if self.next_event {
-                radiance += direct_light(self.scene, point, None, sampler);
+            if self.direct == Direct::NextEvent {
+                let light = direct_light(self.scene, point, None, sampler);
+                self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.
-            radiance += self.estimate.radiance(point, self.max_bounces - path.bounce - 1, self.found);
+            let light = self.estimate.radiance(point, self.max_bounces - path.bounce - 1, self.found);
+            self.sink.add(path.throughput * light, path.bounce + 2);
+            if S::LAYERED && self.direct == Direct::Photons && path.bounce == 0 {
+                // Photons straight from a lamp, read where the camera looks: asked for once more, by themselves, so that
+                // the sum above is the same with layers and without.
+                self.sink.was_direct(path.throughput * self.estimate.radiance(point, 0, self.found));
+            }
         }
-        self.radiance += path.throughput * radiance;
         Lobes::DELTA
     }
 
     fn escaped(&mut self, path: &PathState) {
-        self.radiance += path.throughput * self.scene.background(path.ray.direction);
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.bounce);
     }
 }

@@ -2,27 +2,40 @@
 
 use std::io::Cursor;
 
-use ::exr::image::{AnyChannels, Encoding, FlatSamples, Layer, SpecificChannels};
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
 use ::exr::meta::MetaData;
-use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::header::LayerAttributes;
+use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, SmallVec, Vec2, WritableImage, read};
 
 use super::limits::check_compressed_size;
+use super::{Fact, Picture};
 use crate::error::{Error, Result};
 use crate::image::Image;
 
-/// 32-bit floats in channels R, G and B, in scan lines, with lossless ZIP compression.
-pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
+/// 32-bit floats in scan lines, with lossless ZIP compression: the picture in channels R, G and B, the layers in channels
+/// with their names before a dot, and the facts as attributes of the header, `software` and `lampyris:NAME`.
+pub(super) fn encode(picture: &Picture<'_>) -> Result<Vec<u8>> {
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: ::exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let channels = SpecificChannels::rgb(|position: Vec2<usize>| {
-        let [r, g, b] = image.pixel(position.x(), position.y());
-        (r, g, b)
-    });
+    let channel = |name: &str, image: &Image, index: usize| {
+        let samples = image.pixels().iter().map(|pixel| pixel[index]).collect();
+        AnyChannel::new(name, FlatSamples::F32(samples))
+    };
+    let image = picture.image;
+    let mut list: SmallVec<[AnyChannel<FlatSamples>; 4]> =
+        ["R", "G", "B"].iter().enumerate().map(|(index, name)| channel(name, image, index)).collect();
+    for (layer, values) in picture.layers {
+        let names = layer.channels().iter().enumerate();
+        list.extend(names.map(|(index, name)| channel(&format!("{}.{name}", layer.name()), values, index)));
+    }
+    let size = (image.width(), image.height());
+    let layer = Layer::new(size, attributes(picture.facts), encoding, AnyChannels::sort(list));
     let mut bytes = Vec::new();
-    ::exr::image::Image::from_encoded_channels((image.width(), image.height()), encoding, channels)
+    ::exr::image::Image::from_layer(layer)
         .write()
         .non_parallel()
         .to_buffered(Cursor::new(&mut bytes))
@@ -30,16 +43,41 @@ pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+fn attributes(facts: &[(&str, Fact)]) -> LayerAttributes {
+    // Readers take the bytes for UTF-8, as OpenEXR's own tools do.
+    let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
+    let value = |fact: &Fact| match fact {
+        Fact::Text(words) => AttributeValue::Text(text(words)),
+        Fact::Whole(number) => AttributeValue::I32(*number),
+        Fact::Number(number) => AttributeValue::F64(*number),
+    };
+    LayerAttributes {
+        software_name: Some(text(concat!("Lampyris ", env!("CARGO_PKG_VERSION")))),
+        other: facts.iter().map(|(name, fact)| (text(&format!("lampyris:{name}")), value(fact))).collect(),
+        ..LayerAttributes::default()
+    }
+}
+
 /// Reads the first colour in the file: channels R, G and B, or Y alone, by those names first and then under any
 /// layer's name (`beauty.R`). The picture is the data window; the display window is not filled up.
-pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
+/// With it comes the opacity: channel A of the same layer, where there is one.
+pub(super) fn decode(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>)> {
+    decode_both(bytes, None)
+}
+
+/// The layer that is `asked` for by name: channels R, G, B or X, Y, Z, or one channel alone.
+pub(super) fn decode_layer(bytes: &[u8], asked: &str) -> Result<Image> {
+    Ok(decode_both(bytes, Some(asked))?.0)
+}
+
+fn decode_both(bytes: &[u8], asked: Option<&str>) -> Result<(Image, Option<Vec<f32>>)> {
     // In builds with debug assertions the crate asserts what only a damaged file breaks; without them it returns
     // errors. Either way nothing outlives the failed attempt.
-    let decoded = std::panic::catch_unwind(|| decode_trusting(bytes));
+    let decoded = std::panic::catch_unwind(|| decode_trusting(bytes, asked));
     decoded.unwrap_or_else(|_| Err(Error::new("the EXR file is damaged")))
 }
 
-fn decode_trusting(bytes: &[u8]) -> Result<Image> {
+fn decode_trusting(bytes: &[u8], asked: Option<&str>) -> Result<(Image, Option<Vec<f32>>)> {
     check_header(bytes)?;
     let file = read()
         .no_deep_data()
@@ -50,14 +88,21 @@ fn decode_trusting(bytes: &[u8]) -> Result<Image> {
         .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .map_err(fail)?;
-    let colour = file.layer_data.iter().find_map(|layer| Some((layer, colour_channels(&layer.channel_data)?)));
-    let Some((layer, channels)) = colour else {
+    let channels = |channels: &AnyChannels<FlatSamples>| match asked {
+        None => colour_channels(channels),
+        Some(name) => layer_channels(channels, name),
+    };
+    let found = file.layer_data.iter().find_map(|layer| Some((layer, channels(&layer.channel_data)?)));
+    let Some((layer, channels)) = found else {
         let names = file.layer_data.iter().flat_map(|layer| &layer.channel_data.list);
         let names: Vec<_> = names.map(|channel| channel.name.to_string()).collect();
-        return Err(Error::new("the EXR file has no colour: neither channels R, G, B nor Y")
-            .with_hint(format!("it has {}", names.join(" "))));
+        let message = match asked {
+            None => "the EXR file has no colour: neither channels R, G, B nor Y".to_string(),
+            Some(name) => format!("the EXR file has no layer '{name}'"),
+        };
+        return Err(Error::new(message).with_hint(format!("its channels are {}", names.join(" "))));
     };
-    Ok(picture(layer, channels))
+    Ok((picture(layer, channels), opacity(layer, channels)))
 }
 
 fn fail(error: ::exr::error::Error) -> Error {
@@ -97,13 +142,27 @@ fn check_header(bytes: &[u8]) -> Result<()> {
 /// The indices of the channels to show as red, green and blue.
 fn colour_channels(channels: &AnyChannels<FlatSamples>) -> Option<[usize; 3]> {
     let names: Vec<_> = channels.list.iter().map(|channel| channel.name.to_string()).collect();
-    let find = |layer: &str, channel: &str| names.iter().position(|name| *name == format!("{layer}{channel}"));
-    let colour_of = |layer: &str| {
-        let rgb = || Some([find(layer, "R")?, find(layer, "G")?, find(layer, "B")?]);
-        rgb().or_else(|| Some([find(layer, "Y")?; 3]))
-    };
+    let colour_of = |layer: &str| find(&names, layer, &["R", "G", "B"]).or_else(|| find(&names, layer, &["Y"; 3]));
     let layers = names.iter().filter_map(|name| name.rfind('.').map(|dot| &name[..=dot]));
     std::iter::once("").chain(layers).find_map(colour_of)
+}
+
+/// The indices of three channels of this layer, or three times that of its only one.
+fn layer_channels(channels: &AnyChannels<FlatSamples>, layer: &str) -> Option<[usize; 3]> {
+    let names: Vec<_> = channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let layer = format!("{layer}.");
+    let of_three = || find(&names, &layer, &["R", "G", "B"]).or_else(|| find(&names, &layer, &["X", "Y", "Z"]));
+    of_three().or_else(|| {
+        let mut own = (0..names.len()).filter(|&index| names[index].starts_with(&layer));
+        own.next().filter(|_| own.next().is_none()).map(|index| [index; 3])
+    })
+}
+
+/// The indices of these channels of a layer, whose name ends in a dot or is empty.
+fn find(names: &[String], layer: &str, channels: &[&str; 3]) -> Option<[usize; 3]> {
+    let index = |channel: &str| names.iter().position(|name| *name == format!("{layer}{channel}"));
+    let [first, second, third] = channels.map(index);
+    Some([first?, second?, third?])
 }
 
 fn picture(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Image {
@@ -117,10 +176,18 @@ fn picture(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Ima
     image
 }
 
+/// The channel A of the layer to which these channels belong.
+fn opacity(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Option<Vec<f32>> {
+    let list = &layer.channel_data.list;
+    let color = list[channels[0]].name.to_string();
+    let name = format!("{}A", &color[..color.rfind('.').map_or(0, |dot| dot + 1)]);
+    let channel = list.iter().find(|channel| channel.name.to_string() == name)?;
+    Some(channel.sample_data.values_as_f32().collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ::exr::prelude::{AnyChannel, SmallVec};
 
     fn file(channels: &[(&str, FlatSamples)]) -> Vec<u8> {
         let list: SmallVec<_> =
@@ -141,19 +208,55 @@ mod tests {
     fn alpha_is_dropped_and_half_is_read() {
         let half = FlatSamples::F16([0.5, 2.0].map(::exr::prelude::f16::from_f32).to_vec());
         let bytes = file(&[("R", single(1.0, 2.0)), ("G", half), ("B", single(5.0, 6.0)), ("A", single(0.0, 0.0))]);
-        assert_eq!(decode(&bytes).expect("valid").pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").0.pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").1, Some(vec![0.0, 0.0]));
     }
 
     #[test]
     fn luminance_alone_is_grey() {
-        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").pixels(), [[1.0; 3], [2.0; 3]]);
+        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").0.pixels(), [[1.0; 3], [2.0; 3]]);
     }
 
     #[test]
     fn the_colour_of_a_named_layer_is_found() {
         let channels =
             [("depth.Z", 9.0), ("beauty.R", 1.0), ("beauty.G", 2.0), ("beauty.B", 3.0)].map(|(n, v)| (n, single(v, v)));
-        assert_eq!(decode(&file(&channels)).expect("valid").pixel(0, 0), [1.0, 2.0, 3.0]);
+        assert_eq!(decode(&file(&channels)).expect("valid").0.pixel(0, 0), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_layer_is_found_by_its_name() {
+        let channels =
+            [("R", 7.0), ("depth.Z", 9.0), ("n.X", 1.0), ("n.Y", 2.0), ("n.Z", 3.0)].map(|(n, v)| (n, single(v, v)));
+        let bytes = file(&channels);
+        assert_eq!(decode_layer(&bytes, "n").expect("there").pixel(0, 0), [1.0, 2.0, 3.0]);
+        assert_eq!(decode_layer(&bytes, "depth").expect("there").pixel(1, 0), [9.0; 3]);
+        let error = decode_layer(&bytes, "albedo").expect_err("not there").to_string();
+        assert!(error.contains("no layer 'albedo'") && error.contains("depth.Z"), "{error}");
+    }
+
+    /// What stands in the header, with OpenEXR's names for kinds.
+    #[test]
+    fn layers_and_facts_are_written() {
+        let image = Image::from_pixels(2, 1, vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]).expect("two pixels");
+        let depth = image.map(|pixel| [pixel[0]; 3]);
+        let facts =
+            [("scene", Fact::Text("küche.xml".into())), ("passes", Fact::Whole(16)), ("seconds", Fact::Number(0.25))];
+        let layers = [(crate::film::Layer::Normal, image.clone()), (crate::film::Layer::Depth, depth.clone())];
+        let bytes = encode(&Picture { image: &image, layers: &layers, facts: &facts }).expect("encodes");
+        assert_eq!(decode(&bytes).expect("a picture").0, image);
+        assert_eq!(decode_layer(&bytes, "normal").expect("a layer"), image);
+        assert_eq!(decode_layer(&bytes, "depth").expect("a layer"), depth);
+        let header = &MetaData::read_from_buffered(Cursor::new(&bytes), true).expect("valid").headers[0];
+        let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+        assert_eq!(names, ["B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
+        let fact = |name: &str| header.own_attributes.other.get(&Text::from(name)).cloned();
+        let scene = Text::from_slice_unchecked("küche.xml".as_bytes());
+        assert_eq!(fact("lampyris:scene"), Some(AttributeValue::Text(scene)));
+        assert_eq!(fact("lampyris:passes"), Some(AttributeValue::I32(16)));
+        assert_eq!(fact("lampyris:seconds"), Some(AttributeValue::F64(0.25)));
+        let software = header.own_attributes.software_name.as_ref().map(ToString::to_string);
+        assert!(software.is_some_and(|name| name.starts_with("Lampyris ")));
     }
 
     #[test]

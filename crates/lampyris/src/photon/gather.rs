@@ -1,16 +1,8 @@
 //! Density estimation: radiance from the photons around a point (theory §5.1).
 
-use super::{Kernel, Photon, PhotonMap, Radius};
+use super::{Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::scene::SurfacePoint;
 use crate::spectrum::Spectrum;
-
-/// Space for the search of nearest photons, to be used again.
-#[derive(Debug, Default)]
-pub struct Nearest {
-    /// Squared distance and number of each photon within reach.
-    pub(super) candidates: Vec<(f32, u32)>,
-    pub(super) distances: Vec<f32>,
-}
 
 /// How radiance is estimated from photons.
 #[derive(Debug)]
@@ -38,30 +30,26 @@ impl Estimate<'_> {
         } else {
             point.surface.normal
         };
-        let even = point.bsdf.even(point.frame.to_local(point.to_previous));
+        let even = point.even();
         let mut sum = Spectrum::ZERO;
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;
-            if photon.bounce <= max_bounces && photon.normal.dot(normal) > SAME_SURFACE {
+            let same_surface = photon.normal.dot(normal) > SAME_SURFACE || point.bsdf.transmits();
+            if photon.bounce <= max_bounces && same_surface {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
                 let light = photon.flux * (weight / point.geometric_over_shading(to_light));
                 sum += match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
-                    None => point.eval(to_light) * light,
+                    None => point.eval_radiance(to_light) * light,
                 };
             }
         };
-        match self.radius {
-            Radius::Fixed(radius) => {
-                let weight = self.kernel.weight::<2>(radius);
-                self.map.within(center, radius, |photon, distance_squared| add(photon, weight(distance_squared)));
-            }
-            Radius::Nearest { count, max_radius } => {
-                let (radius, photons) = self.map.nearest(center, count, max_radius, found);
-                let weight = self.kernel.weight::<2>(radius);
-                photons.for_each(|(photon, distance_squared)| add(photon, weight(distance_squared)));
-            }
+        let radius = self.map.search(center, self.radius, found);
+        self.kernel.weigh::<2>(radius, found.hits.distances_squared_mut());
+        let photons = self.map.photons();
+        for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
+            add(&photons[index as usize], weight);
         }
         sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
     }

@@ -33,6 +33,12 @@ impl Kernel {
         }
     }
 
+    /// Replaces squared distances by [`Kernel::weight`] of them.
+    pub fn weigh<const D: usize>(self, radius: f32, distances_squared: &mut [f32]) {
+        let weight = self.weight::<D>(radius);
+        distances_squared.iter_mut().for_each(|value| *value = weight(*value));
+    }
+
     /// The shape, 1 in the middle, by the squared relative distance.
     #[inline]
     fn profile(self, s2: f32) -> f32 {
@@ -102,6 +108,16 @@ mod tests {
             {
                 assert!((value - 1.0).abs() < 1e-5, "{kernel:?} in {dimension}: {value}");
             }
+        }
+    }
+
+    #[test]
+    fn many_weights_are_those_of_each_to_the_bit() {
+        for kernel in Kernel::ALL {
+            let mut values: Vec<f32> = (0..37).map(|number| 0.3 * number as f32).collect();
+            let expected: Vec<f32> = values.iter().map(|&value| kernel.density::<2>(value, 3.0)).collect();
+            kernel.weigh::<2>(3.0, &mut values);
+            assert_eq!(values, expected, "{kernel:?}");
         }
     }
 

@@ -1,64 +1,53 @@
 //! The photon map: photons sorted into a grid whose rows are contiguous.
 //!
-//! Cells are numbered x fastest, so that the cells of a query box form one slice of photons for every (y, z). On this
-//! kind of data (photons on surfaces, coherent queries) that beats a kd-tree two to one (the book, "Performance").
+//! On this kind of data (photons on surfaces, coherent queries) that beats a kd-tree (the book, "Performance").
 
-use glam::{UVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Nearest, Photon, Radius};
-use crate::geometry::Bounds;
+use super::grid::Grid;
+use super::nearest::kth_smallest;
+use super::search::{GROUP, Hits, Lanes, Positions};
+use super::sort::{Place, sort, typical_distance};
+use super::{Photon, Radius};
 
 /// The photons of one pass, ready for queries. Immutable.
 #[derive(Debug)]
 pub struct PhotonMap {
     photons: Vec<Photon>,
-    /// Positions of `photons` once more, axis by axis, so that the search computes several distances at once.
-    positions: [Vec<f32>; 3],
+    /// Positions of `photons` once more, for the search.
+    positions: Positions,
     grid: Grid,
+    lanes: Lanes,
     paths_emitted: u64,
 }
 
-/// Where a photon lies before it is sorted.
-#[derive(Clone, Copy)]
-struct Place {
-    block: u32,
-    index: u32,
-}
-
-/// Where in the sorted list the photons of each cell are.
-#[derive(Debug)]
-struct Grid {
-    origin: Vec3,
-    inverse_cell: f32,
-    size: UVec3,
-    /// `starts[cell]..starts[cell + 1]` are its photons; photons outside the box belong to the nearest cell.
-    starts: Vec<u32>,
+/// What a search has found, and its working space; to be used again from query to query.
+#[derive(Debug, Default)]
+pub struct Nearest {
+    pub(super) hits: Hits,
+    few: Vec<f32>,
+    /// How far the last search for nearest photons had to go: the next is often beside it.
+    last: f32,
 }
 
 impl PhotonMap {
     /// Sorts the photons of `paths_emitted` light paths for queries with about this radius. Equal photons in equal
-    /// order give an equal map.
+    /// order give an equal map, on any number of threads.
     pub fn build(photons: Vec<Photon>, paths_emitted: u64, radius: Radius) -> PhotonMap {
         PhotonMap::from_blocks(&[photons], paths_emitted, radius)
     }
 
     /// [`PhotonMap::build`] of photons that lie in several blocks, one after the other.
     pub fn from_blocks(blocks: &[Vec<Photon>], paths_emitted: u64, radius: Radius) -> PhotonMap {
-        let places: Vec<Place> = (0..)
-            .zip(blocks)
-            .flat_map(|(block, photons)| (0..photons.len() as u32).map(move |index| Place { block, index }))
-            .collect();
-        let photon = |place: &Place| &blocks[place.block as usize][place.index as usize];
-        let points: Vec<Vec3> = places.par_iter().map(|place| photon(place).position).collect();
-        let cell = match radius {
+        let radius = match radius {
             Radius::Fixed(radius) => radius,
-            Radius::Nearest { count, max_radius } => typical_distance(&points, count).min(max_radius),
+            Radius::Nearest { count, max_radius } => typical_distance(blocks, count).min(max_radius),
         };
-        let (grid, order) = Grid::sort(&points, cell);
-        let photons = order.par_iter().map(|&index| *photon(&places[index as usize])).collect();
-        let axis = |axis: usize| order.par_iter().map(|&index| points[index as usize][axis]).collect();
-        PhotonMap { photons, positions: [axis(0), axis(1), axis(2)], grid, paths_emitted }
+        let (grid, order) = sort(blocks, radius);
+        let photon = |place: &Place| blocks[place.block as usize][place.index as usize];
+        let photons: Vec<Photon> = order.par_iter().map(photon).collect();
+        PhotonMap { positions: positions(&photons), photons, grid, lanes: Lanes::detect(), paths_emitted }
     }
 
     /// All photons, sorted by cell.
@@ -71,214 +60,97 @@ impl PhotonMap {
         self.paths_emitted
     }
 
-    /// Calls `visit` with every photon nearer to `center` than `radius`, and its squared distance.
+    /// All photons nearer to `center` than `radius`, each with its squared distance, in an order that is the map's.
     #[inline]
-    pub fn within(&self, center: Vec3, radius: f32, mut visit: impl FnMut(&Photon, f32)) {
-        self.near(center, radius, |index, distance_squared| visit(&self.photons[index], distance_squared));
-    }
-
-    /// Calls `visit` with the number of every photon nearer to `center` than `radius`, and its squared distance.
-    #[inline]
-    fn near(&self, center: Vec3, radius: f32, mut visit: impl FnMut(usize, f32)) {
-        let limit = radius * radius;
-        let [xs, ys, zs] = &self.positions;
-        self.grid.rows(center, radius, |first, last| {
-            let (xs, ys, zs) = (&xs[first..last], &ys[first..last], &zs[first..last]);
-            // Distances in groups, without a branch, so that the compiler can compute them side by side.
-            let mut start = 0;
-            while start < xs.len() {
-                let count = (xs.len() - start).min(GROUP);
-                let mut distances = [f32::INFINITY; GROUP];
-                let group = xs[start..][..count].iter().zip(&ys[start..][..count]).zip(&zs[start..][..count]);
-                for (distance, ((x, y), z)) in distances.iter_mut().zip(group) {
-                    let (dx, dy, dz) = (x - center.x, y - center.y, z - center.z);
-                    *distance = dx * dx + dy * dy + dz * dz;
-                }
-                for (offset, &distance_squared) in distances.iter().enumerate() {
-                    if distance_squared < limit {
-                        visit(first + start + offset, distance_squared);
-                    }
-                }
-                start += count;
-            }
-        });
+    pub fn within<'m>(
+        &'m self,
+        center: Vec3,
+        radius: f32,
+        found: &'m mut Nearest,
+    ) -> impl Iterator<Item = (&'m Photon, f32)> {
+        self.search(center, Radius::Fixed(radius), found);
+        self.found(found)
     }
 
     /// Finds the radius of an estimate from the `count` nearest photons: the distance of the last of them, or
-    /// `max_radius` if there are fewer up to there; where that is infinite, the distance of the farthest of all. All
-    /// photons that are nearer are left in `found`.
-    pub fn nearest<'f>(
-        &self,
+    /// `max_radius` if there are fewer up to there; where that is infinite, the distance of the farthest of all. With
+    /// it come all photons that are nearer, as from [`PhotonMap::within`].
+    #[inline]
+    pub fn nearest<'m>(
+        &'m self,
         center: Vec3,
         count: usize,
         max_radius: f32,
-        found: &'f mut Nearest,
-    ) -> (f32, impl Iterator<Item = (&Photon, f32)> + use<'_, 'f>) {
-        let mut reach = (1.25 / self.grid.inverse_cell).min(max_radius);
-        let radius_squared = loop {
-            found.collect(self, center, reach);
-            if found.candidates.len() >= count {
-                break found.nth_distance_squared(count);
+        found: &'m mut Nearest,
+    ) -> (f32, impl Iterator<Item = (&'m Photon, f32)>) {
+        let radius = self.search(center, Radius::Nearest { count, max_radius }, found);
+        (radius, self.found(found))
+    }
+
+    #[inline]
+    fn found<'m>(&'m self, found: &'m Nearest) -> impl Iterator<Item = (&'m Photon, f32)> {
+        let numbers = found.hits.indices().iter().zip(found.hits.distances_squared());
+        numbers.map(|(&index, &distance_squared)| (&self.photons[index as usize], distance_squared))
+    }
+
+    /// Leaves in `found` all photons nearer than this radius, which it returns in scene units.
+    pub(super) fn search(&self, center: Vec3, radius: Radius, found: &mut Nearest) -> f32 {
+        let (count, max_radius) = match radius {
+            Radius::Fixed(radius) => {
+                self.lanes.search(&self.grid, &self.positions, center, radius, &mut found.hits);
+                return radius;
             }
-            if reach >= max_radius || found.candidates.len() == self.photons.len() {
-                break if max_radius.is_finite() { max_radius.powi(2) } else { found.farthest_distance_squared() };
-            }
-            reach = (reach * 1.7).min(max_radius);
+            Radius::Nearest { count, max_radius } => (count, max_radius),
         };
-        let photons = found
-            .candidates
-            .iter()
-            .filter(move |(distance_squared, _)| *distance_squared < radius_squared)
-            .map(|&(distance_squared, index)| (&self.photons[index as usize], distance_squared));
-        (radius_squared.sqrt(), photons)
-    }
-}
-
-impl Nearest {
-    /// Candidates in the order of the map, which does not depend on `reach`: sums over them keep their order.
-    fn collect(&mut self, map: &PhotonMap, center: Vec3, reach: f32) {
-        self.candidates.clear();
-        map.near(center, reach, |index, distance_squared| self.candidates.push((distance_squared, index as u32)));
-    }
-
-    fn farthest_distance_squared(&self) -> f32 {
-        self.candidates.iter().map(|candidate| candidate.0).fold(0.0, f32::max)
-    }
-
-    fn nth_distance_squared(&mut self, count: usize) -> f32 {
-        self.distances.clear();
-        self.distances.extend(self.candidates.iter().map(|candidate| candidate.0));
-        *self.distances.select_nth_unstable_by(count.max(1) - 1, f32::total_cmp).1
-    }
-}
-
-/// So many distances are computed side by side.
-const GROUP: usize = 8;
-
-/// At most this many cells for each photon.
-const CELLS_PER_PHOTON: usize = 8;
-
-impl Grid {
-    /// A grid of cells of about this size, and the order of the points in it.
-    fn sort(points: &[Vec3], cell: f32) -> (Grid, Vec<u32>) {
-        let mut grid = Grid::sized(&robust_bounds(points), cell, (CELLS_PER_PHOTON * points.len()).max(64));
-        let cells: Vec<u32> = points.par_iter().map(|&point| grid.cell_of(point)).collect();
-        // Counting sort: counts, then ends, which become starts as the points are put before them from last to first.
-        let mut starts = vec![0_u32; grid.size.element_product() as usize + 1];
-        for &cell in &cells {
-            starts[cell as usize] += 1;
-        }
-        let mut end = 0;
-        for count in &mut starts {
-            end += *count;
-            *count = end;
-        }
-        let mut order = vec![0; points.len()];
-        for (index, &cell) in cells.iter().enumerate().rev() {
-            let start = &mut starts[cell as usize];
-            *start -= 1;
-            order[*start as usize] = index as u32;
-        }
-        grid.starts = starts;
-        (grid, order)
-    }
-
-    fn sized(bounds: &Bounds, cell: f32, max_cells: usize) -> Grid {
-        let extent = (bounds.max - bounds.min).max(Vec3::ZERO);
-        let longest = extent.max_element();
-        // Without any extent all photons lie in one point, or there are none.
-        let usable = |cell: f32| cell.is_finite() && cell > 0.0;
-        let mut cell = [cell, longest].into_iter().find(|&cell| usable(cell)).unwrap_or(1.0);
-        // Cells are never so small that the longest side has more of them than a thousand each way would allow.
-        cell = cell.max(longest / 4096.0);
-        let cells = |cell: f32| (extent / cell).floor().as_uvec3() + UVec3::ONE;
-        while cells(cell).as_u64vec3().element_product() > max_cells as u64 {
-            cell *= 1.25;
-        }
-        Grid { origin: bounds.min, inverse_cell: 1.0 / cell, size: cells(cell), starts: Vec::new() }
-    }
-
-    #[inline]
-    fn coordinates(&self, point: Vec3) -> UVec3 {
-        // Float to integer conversion saturates: what lies outside belongs to the border.
-        ((point - self.origin) * self.inverse_cell).max(Vec3::ZERO).as_uvec3().min(self.size - UVec3::ONE)
-    }
-
-    #[inline]
-    fn cell_of(&self, point: Vec3) -> u32 {
-        let at = self.coordinates(point);
-        (at.z * self.size.y + at.y) * self.size.x + at.x
-    }
-
-    /// Calls `visit` with ranges of photons that together hold all within `radius` of `center`.
-    #[inline]
-    fn rows(&self, center: Vec3, radius: f32, mut visit: impl FnMut(usize, usize)) {
-        let low = self.coordinates(center - radius);
-        let high = self.coordinates(center + radius);
-        for z in low.z..=high.z {
-            for y in low.y..=high.y {
-                let row = (z * self.size.y + y) * self.size.x;
-                let first = self.starts[(row + low.x) as usize];
-                let last = self.starts[(row + high.x + 1) as usize];
-                if first < last {
-                    visit(first as usize, last as usize);
-                }
+        let guess = if found.last > 0.0 { found.last } else { self.grid.radius() };
+        let mut reach = (MARGIN * guess).min(max_radius);
+        let radius_squared = loop {
+            self.lanes.search(&self.grid, &self.positions, center, reach, &mut found.hits);
+            let hits = &found.hits;
+            if hits.len() >= count {
+                break kth_smallest(hits.distances_squared(), count, reach * reach, &mut found.few);
             }
+            if reach >= max_radius || hits.len() == self.photons.len() {
+                break if max_radius.is_finite() {
+                    max_radius * max_radius
+                } else {
+                    hits.distances_squared().iter().copied().fold(0.0, f32::max)
+                };
+            }
+            reach = (reach * GROWTH).min(max_radius);
+        };
+        found.hits.keep_below(radius_squared);
+        let radius = radius_squared.sqrt();
+        found.last = if radius.is_finite() { radius } else { 0.0 };
+        radius
+    }
+}
+
+/// The nearest photons are looked for a little farther than they are expected, that there be enough at once; and if there
+/// are not, still farther.
+const MARGIN: f32 = 1.2;
+const GROWTH: f32 = 1.5;
+
+fn positions(photons: &[Photon]) -> Positions {
+    const CHUNK: usize = 4096;
+    let mut axes = [(); 3].map(|()| vec![0.0; photons.len() + GROUP]);
+    let [xs, ys, zs] = &mut axes;
+    let chunks = xs.par_chunks_mut(CHUNK).zip(ys.par_chunks_mut(CHUNK)).zip(zs.par_chunks_mut(CHUNK));
+    chunks.zip(photons.par_chunks(CHUNK)).for_each(|(((xs, ys), zs), photons)| {
+        for (((x, y), z), photon) in xs.iter_mut().zip(ys).zip(zs).zip(photons) {
+            [*x, *y, *z] = photon.position.to_array();
         }
-    }
-}
-
-/// The box that holds nearly all points: a few far ones (photons run far on an infinite plane) must not make the cells
-/// of all others large.
-fn robust_bounds(points: &[Vec3]) -> Bounds {
-    let sample: Vec<Vec3> = points.iter().step_by((points.len() / 4096).max(1)).copied().collect();
-    let sorted = |axis: usize| {
-        let mut values: Vec<f32> = sample.iter().map(|point| point[axis]).collect();
-        values.sort_unstable_by(f32::total_cmp);
-        values
-    };
-    let mut bounds = Bounds::EMPTY;
-    if sample.is_empty() {
-        return Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
-    }
-    for axis in 0..3 {
-        let values = sorted(axis);
-        let cut = values.len() / 200;
-        let (low, high) = (values[cut], values[values.len() - 1 - cut]);
-        let margin = 0.05 * (high - low);
-        bounds.min[axis] = (low - margin).max(values[0]);
-        bounds.max[axis] = (high + margin).min(values[values.len() - 1]);
-    }
-    bounds
-}
-
-/// About how far the `count`-th nearest photon is from a typical photon, as if they lay on a surface: the median over
-/// some photons of the distance to their eighth nearest within a thinned-out set, scaled.
-fn typical_distance(points: &[Vec3], nearest: usize) -> f32 {
-    const EIGHTH: usize = 8;
-    let thinning = (points.len() / 4096).max(1);
-    let thinned: Vec<Vec3> = points.iter().step_by(thinning).copied().collect();
-    let mut distances: Vec<f32> = thinned
-        .iter()
-        .step_by((thinned.len() / 64).max(1))
-        .filter_map(|&center| {
-            let mut distances: Vec<f32> = thinned.iter().map(|point| point.distance_squared(center)).collect();
-            // The photon itself is the nearest.
-            (distances.len() > EIGHTH).then(|| *distances.select_nth_unstable_by(EIGHTH, f32::total_cmp).1)
-        })
-        .collect();
-    if distances.is_empty() {
-        return f32::INFINITY;
-    }
-    let middle = distances.len() / 2;
-    let median = *distances.select_nth_unstable_by(middle, f32::total_cmp).1;
-    (median * nearest as f32 / (EIGHTH * thinning) as f32).sqrt()
+    });
+    Positions { axes }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::material::Lobes;
+    use crate::photon::Kernel;
     use crate::sampler::Sampler;
     use crate::spectrum::Spectrum;
 
@@ -317,9 +189,8 @@ mod tests {
         let map = PhotonMap::build(photons.clone(), 1, Radius::Fixed(0.05));
         let far = photons[100].position;
         for (center, radius) in [(Vec3::new(0.5, 0.5, 0.0), 0.05), (Vec3::ZERO, 0.2), (far, 500.0), (far, 0.0)] {
-            let mut found = Vec::new();
-            map.within(center, radius, |photon, _| found.push(*photon));
-            assert_eq!(numbers(found.iter()), by_force(&photons, center, radius), "at {center}");
+            let found = numbers(map.within(center, radius, &mut Nearest::default()).map(|(photon, _)| photon));
+            assert_eq!(found, by_force(&photons, center, radius), "at {center}");
         }
     }
 
@@ -340,15 +211,135 @@ mod tests {
         }
     }
 
+    /// Sets of photons that a grid may stumble over: on the borders of cells, in one cell, far from the origin, tiny.
+    fn lumps() -> impl Strategy<Value = Vec<Photon>> {
+        let lattice = (-8i8..8, -8i8..8, -2i8..2).prop_map(|(x, y, z)| Vec3::new(x.into(), y.into(), z.into()));
+        let anywhere = (-1.0f32..1.0, -1.0f32..1.0, -0.1f32..0.1).prop_map(Vec3::from);
+        let position = prop_oneof![lattice, anywhere, Just(Vec3::new(0.3, 0.2, 0.1))];
+        let scale = prop_oneof![Just(1e-6), Just(1.0), Just(1e6)];
+        let offset = prop_oneof![Just(0.0), Just(1.0), Just(1e3)];
+        (prop::collection::vec(position, 0..300), scale, offset).prop_map(|(positions, scale, offset)| {
+            let photon = photons(1)[0];
+            let placed = positions.into_iter().zip(0_u8..=u8::MAX).map(|(at, number)| (at + offset, number));
+            placed.map(|(at, n)| Photon { position: at * scale, optical_length: n.into(), ..photon }).collect()
+        })
+    }
+
+    fn hits(map: &PhotonMap, center: Vec3, radius: Radius) -> (u32, Vec<(u32, u32)>) {
+        let mut found = Nearest::default();
+        let radius = map.search(center, radius, &mut found);
+        let hits = found.hits.indices().iter().zip(found.hits.distances_squared());
+        (radius.to_bits(), hits.map(|(&index, &distance)| (index, distance.to_bits())).collect())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        #[test]
+        fn every_processor_finds_the_same_to_the_bit_and_what_trying_all_finds(
+            photons in lumps(), at in any::<prop::sample::Index>(), aside in 0.0f32..2.0, radius in 0.001f32..30.0,
+            cell in 0.001f32..30.0, count in 1usize..40,
+        ) {
+            // In the unit of the photons: what is far apart in one is far apart in all.
+            let unit = photons.iter().map(|photon| photon.position.abs().max_element()).fold(0.0, f32::max).max(1e-9);
+            let (radius, cell) = (radius * unit * 0.1, cell * unit * 0.1);
+            let near = photons.get(at.index(photons.len().max(1))).map_or(Vec3::ZERO, |photon| photon.position);
+            let map = PhotonMap::build(photons.clone(), 1, Radius::Fixed(cell));
+            let portable = PhotonMap { lanes: Lanes::PORTABLE, ..PhotonMap::build(photons.clone(), 1, Radius::Fixed(cell)) };
+            for center in [near, near + aside * unit, near * 3.0] {
+                let mut all: Vec<f32> = photons.iter().map(|photon| photon.position.distance_squared(center)).collect();
+                all.sort_by(f32::total_cmp);
+                for limit in [radius, f32::INFINITY] {
+                    let nearest = Radius::Nearest { count, max_radius: limit };
+                    for search in [Radius::Fixed(limit), nearest] {
+                        prop_assert_eq!(hits(&map, center, search), hits(&portable, center, search));
+                    }
+                    let inside = all.partition_point(|&distance| distance < limit * limit);
+                    prop_assert_eq!(hits(&map, center, Radius::Fixed(limit)).1.len(), inside);
+                    let last = match all.get(count - 1) {
+                        Some(&kth) if kth < limit * limit => kth,
+                        _ if limit.is_finite() => limit * limit,
+                        _ => all.last().copied().unwrap_or(0.0),
+                    };
+                    let (radius, nearer) = hits(&map, center, nearest);
+                    prop_assert_eq!(f32::from_bits(radius), last.sqrt());
+                    prop_assert_eq!(nearer.len(), all.partition_point(|&distance| distance < last));
+                }
+            }
+        }
+
+        #[test]
+        fn the_order_is_that_of_the_cells_and_then_of_the_photons_whatever_the_blocks(
+            photons in lumps(), cell in 0.01f32..9.0, cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..4),
+        ) {
+            let map = PhotonMap::build(photons.clone(), 1, Radius::Fixed(cell));
+            let mut cuts: Vec<usize> = cuts.iter().map(|cut| cut.index(photons.len() + 1)).collect();
+            cuts.sort_unstable();
+            let begins = std::iter::once(0).chain(cuts.iter().copied());
+            let ends = cuts.iter().copied().chain([photons.len()]);
+            let blocks: Vec<Vec<Photon>> = begins.zip(ends).map(|(begin, end)| photons[begin..end].to_vec()).collect();
+            let joined = PhotonMap::from_blocks(&blocks, 1, Radius::Fixed(cell));
+            prop_assert_eq!(joined.photons(), map.photons());
+            let mut expected = photons;
+            expected.sort_by_key(|photon| map.grid.cell_of(photon.position));
+            prop_assert_eq!(map.photons(), expected);
+        }
+    }
+
+    #[test]
+    fn many_photons_have_the_same_order_on_any_number_of_threads() {
+        let photons = photons(100_000);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| PhotonMap::build(photons.clone(), 1, Radius::Fixed(0.01)))
+        };
+        let mut expected = photons.clone();
+        let one = on(1);
+        expected.sort_by_key(|photon| one.grid.cell_of(photon.position));
+        assert_eq!(one.photons(), expected);
+        assert_eq!(on(3).photons(), expected);
+    }
+
+    #[test]
+    fn sums_are_those_of_trying_all() {
+        let photons = photons(20_000);
+        let map = PhotonMap::build(photons.clone(), 1, Radius::Fixed(0.03));
+        let weight = Kernel::Epanechnikov.weight::<2>(0.03);
+        let mut found = Nearest::default();
+        for center in (0..100).map(|number| photons[number * 199].position) {
+            let sum: f32 =
+                map.within(center, 0.03, &mut found).map(|(_, distance_squared)| weight(distance_squared)).sum();
+            let all = map.photons().iter().map(|photon| photon.position.distance_squared(center));
+            // In the same order, hence the same to the bit.
+            assert_eq!(sum, all.filter(|&distance_squared| distance_squared < 0.03 * 0.03).map(&weight).sum::<f32>());
+        }
+    }
+
+    #[test]
+    fn photons_that_are_nowhere_are_not_found_and_disturb_none() {
+        let mut photons = photons(1000);
+        for (photon, bad) in
+            photons.iter_mut().step_by(7).zip([f32::NAN, f32::INFINITY, f32::MAX, -f32::MAX].iter().cycle())
+        {
+            photon.position.y = *bad;
+        }
+        let center = photons[1].position;
+        for radius in [Radius::Fixed(0.1), Radius::Nearest { count: 5, max_radius: f32::INFINITY }] {
+            let map = PhotonMap::build(photons.clone(), 1, radius);
+            let found = numbers(map.within(center, 0.1, &mut Nearest::default()).map(|(photon, _)| photon));
+            assert_eq!(found, by_force(&photons, center, 0.1));
+            assert!(map.nearest(center, 2000, f32::INFINITY, &mut Nearest::default()).0 < 1e6);
+            assert_eq!(map.within(Vec3::NAN, 1.0, &mut Nearest::default()).count(), 0);
+        }
+    }
+
     #[test]
     fn a_map_of_nothing_or_of_one_place_can_be_asked() {
         let mut found = Nearest::default();
         for photons in [Vec::new(), vec![photons(1)[0]; 100]] {
             for radius in [Radius::Fixed(0.1), Radius::Nearest { count: 5, max_radius: f32::INFINITY }] {
                 let map = PhotonMap::build(photons.clone(), 1, radius);
-                let mut count = 0;
-                map.within(Vec3::ZERO, 1e6, |_, _| count += 1);
-                assert_eq!(count, photons.len());
+                assert_eq!(map.within(Vec3::ZERO, 1e6, &mut found).count(), photons.len());
                 // There are fewer than a thousand: the farthest sets the radius, and is not counted itself.
                 let farthest = photons.first().map_or(0.0, |photon| photon.position.length());
                 let (radius, nearer) = map.nearest(Vec3::ZERO, 1000, f32::INFINITY, &mut found);

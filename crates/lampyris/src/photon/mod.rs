@@ -3,23 +3,30 @@
 mod bandwidth;
 mod deposit;
 mod gather;
+mod grid;
 mod kernel;
 mod map;
+mod nearest;
+mod search;
+mod sort;
 
 use glam::Vec3;
 
 pub use bandwidth::{Bandwidth, Radius};
 pub use deposit::Deposit;
-pub use gather::{Estimate, Nearest};
+pub use gather::Estimate;
 pub use kernel::Kernel;
-pub use map::PhotonMap;
+pub use map::{Nearest, PhotonMap};
 
 use crate::material::Lobes;
 use crate::spectrum::Spectrum;
 use crate::transport::PathState;
 
 /// Where flux arrived on a surface with a smooth lobe.
+///
+/// It fills a line of the processor's cache, and does not lie across two.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
 pub struct Photon {
     /// Where it landed.
     pub position: Vec3,

@@ -1,11 +1,13 @@
 //! From what a file says to what is rendered: names resolved, numbers checked. Every fault becomes an
 //! [`Error`] with the key of what is wrong, from which the importer finds the line.
 
+mod ahead;
 mod camera;
 mod check;
 mod lights;
 mod materials;
 mod shapes;
+mod textures;
 
 use glam::Vec3;
 
@@ -14,6 +16,7 @@ use super::{Assets, Lights, Scene, ShapeRecord};
 use crate::error::{Error, Result, Warning};
 use crate::geometry::{Bounds, Shape, Surfaces};
 use crate::light::{Light, World};
+use crate::observer::{Observer, Phase, Silent, Work};
 
 /// A scene, with what its author should know of.
 #[derive(Debug)]
@@ -29,8 +32,18 @@ pub struct Built {
 /// # Errors
 /// The first fault, with its key: no camera, no light, a number out of its range, an unknown name, a broken mesh.
 pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Built> {
+    build_observed(description, assets, &Silent)
+}
+
+/// [`build`], telling `observer` of the phase [`Phase::Load`] and of each shape.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, observer: &dyn Observer) -> Result<Built> {
+    observer.phase(Phase::Load);
     description.check_settings()?;
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
+    let mut read_ahead = ahead::ReadAhead::new(description, assets);
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();
     for (name, group) in &description.groups {
@@ -40,11 +53,13 @@ pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Buil
     }
     for (index, shape) in description.shapes.iter().enumerate() {
         shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
+        read_ahead.built(shape);
+        observer.work(&Work { shapes: 1, share: 1.0 / description.shapes.len() as f64, ..Work::default() });
     }
     let (surfaces, records, area_lights) = shapes.finish();
     let world = world(&surfaces, camera.origin());
     let mut all: Vec<Light> = area_lights.into_iter().map(Light::Area).collect();
-    let around = lights::Around { world, materials: &materials, assets };
+    let mut around = lights::Around { world, textures: materials.textures(), assets };
     for (index, light) in description.lights.iter().enumerate() {
         around.build(light, &mut all).map_err(|error| error.under(&format!("lights[{index}]")))?;
     }
@@ -55,10 +70,9 @@ pub fn build(description: &SceneDescription, assets: &dyn Assets) -> Result<Buil
     let meter = meter(description.camera.as_ref(), &records, &surfaces)?;
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
-    Ok(Built {
-        scene: Scene { surfaces, shapes: records, materials: materials.finish(), lights, camera, meter },
-        warnings,
-    })
+    let materials = materials.finish();
+    let holes = materials.have_holes();
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera, meter }, warnings })
 }
 
 /// The number of the shape whose irradiance is measured in place of a picture.

@@ -55,6 +55,11 @@ fn rgb_of(power: impl Fn(f64) -> f64) -> [f64; 3] {
             *sum += power * matching;
         }
     }
+    xyz_to_rgb(xyz)
+}
+
+/// Linear RGB of a colour in CIE XYZ; negative where RGB cannot hold it.
+pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     TO_RGB.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
 }
 

@@ -4,13 +4,29 @@ use crate::shared_tests::shared;
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 /// A folder with these files, and the assets of a scene in it.
-fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Files) {
+fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Files<'static>) {
     let folder = tempfile::tempdir().expect("there is room");
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("there is room");
     }
     let assets = Files::beside(&folder.path().join("scene.xml"));
     (folder, assets)
+}
+
+#[test]
+fn nothing_is_kept_that_nobody_uses() {
+    let (_folder, files) = folder(&[("a.obj", TRIANGLE)]);
+    let mesh = Arc::downgrade(&files.mesh("a.obj", 0).expect("it is fine"));
+    assert!(mesh.upgrade().is_none());
+}
+
+#[test]
+fn a_picture_is_shared_by_all_that_decode_it_in_the_same_way() {
+    let (_folder, files) = folder(&[("a.ppm", "P3 1 1 255\n128 128 128\n")]);
+    let picture = |raw| files.picture("a.ppm", raw).expect("it is fine");
+    let [first, second, raw] = [false, false, true].map(picture);
+    assert!(Arc::ptr_eq(&first, &second) && !Arc::ptr_eq(&first, &raw));
+    assert_eq!((first.bytes(), raw.bytes()), (1, 1));
 }
 
 #[test]
@@ -23,15 +39,22 @@ fn a_mesh_is_read_once() {
 
 #[test]
 fn the_extension_tells_the_format_in_any_case() {
-    let (_folder, files) =
-        folder(&[("a.OBJ", TRIANGLE), ("a.ply", "ply"), ("a.serialized", "ply!"), ("a.stl", ""), ("a", "")]);
+    let (_folder, files) = folder(&[
+        ("a.OBJ", TRIANGLE),
+        ("a.ply", "ply"),
+        ("a.serialized", "ply!"),
+        ("a.stl", ""),
+        ("a.3ds", ""),
+        ("a", ""),
+    ]);
     assert_eq!(files.mesh("a.OBJ", 0).expect("it is fine").triangles.len(), 1);
     let error = |name| files.mesh(name, 0).expect_err("it is broken").to_string();
     assert!(error("a.ply").contains("header"));
     assert!(error("a.serialized").contains("serialized mesh"));
-    for name in ["a.stl", "a"] {
+    assert!(error("a.stl").contains("it is empty"));
+    for name in ["a.3ds", "a"] {
         assert!(
-            error(name).ends_with("not a known mesh format; known are .obj, .ply and .serialized"),
+            error(name).ends_with("not a known mesh format; known are .obj, .ply, .stl and .serialized"),
             "{}",
             error(name)
         );

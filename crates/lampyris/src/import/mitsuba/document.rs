@@ -6,15 +6,9 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3};
 
 use super::source::Source;
+pub(super) use super::source::Spot;
+pub(super) use super::spectrum::Spectrum;
 use crate::error::Place;
-
-/// A stretch of one of the document's files.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    pub source: usize,
-    pub start: usize,
-    pub end: usize,
-}
 
 /// What sort of thing an object is; its tag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,17 +54,6 @@ impl Kind {
     pub fn tag(self) -> &'static str {
         Kind::TAGS.iter().find(|(_, kind)| *kind == self).map_or("object", |(name, _)| name)
     }
-}
-
-/// A spectrum as the file gives it, before we know whether it is of a surface or of a light.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Spectrum {
-    /// The same at all wavelengths.
-    Constant(f64),
-    /// Wavelength in nm and value, in rising order, straight lines between.
-    List(Vec<[f64; 2]>),
-    /// An ideal black body in kelvin, times a factor.
-    BlackBody { temperature: f64, scale: f64 },
 }
 
 /// The value of a property.
@@ -128,6 +111,8 @@ pub(super) struct Part {
 pub(super) struct Object {
     pub kind: Kind,
     pub plugin: String,
+    /// Whether its file is of version 0.x, whose defaults may differ.
+    pub old: bool,
     pub id: Option<String>,
     pub spot: Spot,
     pub properties: Vec<Property>,

@@ -14,30 +14,27 @@ mod bsdf;
 mod document;
 mod emitter;
 mod integrator;
-mod named;
 mod parse;
 mod query;
 mod sensor;
 mod shape;
-mod source;
-mod spectrum;
 #[cfg(test)]
 mod tests;
 mod texture;
 mod transform;
-mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
 use self::document::{Document, Kind, Spot};
 use self::query::Query;
-use self::source::{Disk, Folder};
-use super::Imported;
+use super::source::{Disk, Folder};
+use super::{Imported, named, source, spectrum, value};
 use crate::error::{Error, Result, Warning};
 use crate::scene::SceneDescription;
+use crate::scene::description::ShapeDescription;
 
 /// How to read a Mitsuba file.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +64,11 @@ fn read_from(folder: &dyn Folder, main: &Path, options: &Options) -> Result<Impo
         imported,
         materials: HashMap::new(),
         textures: HashMap::new(),
+        texture_depth: 0,
+        parent: DMat4::IDENTITY,
+        group: None,
+        groups: HashMap::new(),
+        meters: Vec::new(),
         warned: HashSet::new(),
         visits: 0,
     };
@@ -84,10 +86,26 @@ struct Importer<'a> {
     materials: HashMap<usize, String>,
     /// Likewise of textures.
     textures: HashMap<usize, String>,
+    /// How many textures the one at hand lies in.
+    texture_depth: usize,
+    /// What the shapes at hand lie in.
+    parent: DMat4,
+    /// The group at hand, which gathers shapes in place of the scene.
+    group: Option<Group>,
+    /// Names in the description of groups that are in it already, by object.
+    groups: HashMap<usize, String>,
+    /// Sensors on shapes, and the shapes' names.
+    meters: Vec<(usize, String)>,
     /// Warnings given already, by file, offset and message.
     warned: HashSet<(usize, usize, String)>,
     /// Objects visited inside others.
     visits: usize,
+}
+
+/// A group of shapes in the making.
+struct Group {
+    name: String,
+    shapes: Vec<ShapeDescription>,
 }
 
 impl<'a> Importer<'a> {

@@ -87,7 +87,9 @@ impl Parser<'_> {
             Some(spot) => error.with_place(parser.document.place(spot)),
             None => error,
         };
-        let bytes = self.folder.read(path).map_err(|error| placed(Error::io(shown.clone(), "read", &error), self))?;
+        let mut bytes =
+            self.folder.read(path).map_err(|error| placed(Error::io(shown.clone(), "read", &error), self))?;
+        blank_comments(&mut bytes);
         let source = Rc::new(Source::new(shown, bytes)?);
         let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
         let xml = roxmltree::Document::parse_with_options(&source.text, options)
@@ -228,6 +230,7 @@ impl Parser<'_> {
         let object = Object {
             kind,
             plugin: plugin.to_string(),
+            old: file.old,
             id: id.clone(),
             spot: element.spot,
             properties: Vec::new(),
@@ -303,4 +306,27 @@ fn not_well_formed(source: &Source, error: &roxmltree::Error) -> Error {
     let message = error.to_string();
     let message = message.rsplit_once(" at ").map_or(message.as_str(), |(message, _)| message);
     Error::new(format!("this is not well-formed XML: {message}")).with_place(place)
+}
+
+/// Overwrites what stands in comments with blanks: real files hold `--` there, which XML forbids but Mitsuba's
+/// reader takes. Offsets and lines stay as they are.
+fn blank_comments(bytes: &mut [u8]) {
+    let mut at = 0;
+    while at < bytes.len() {
+        let rest = &bytes[at..];
+        let (opening, closing): (usize, &[u8]) = if rest.starts_with(b"<!--") {
+            (4, b"-->")
+        } else if rest.starts_with(b"<![CDATA[") {
+            (9, b"]]>")
+        } else {
+            at += 1;
+            continue;
+        };
+        let Some(length) = rest[opening..].windows(3).position(|three| three == closing) else { return };
+        let content = at + opening..at + opening + length;
+        if opening == 4 {
+            bytes[content.clone()].iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|b| *b = b' ');
+        }
+        at = content.end + 3;
+    }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::{DMat4, DVec3};
 
-use super::document::{Document, Kind, Object, Part, Property, Spot, Value};
+use super::document::{Document, Kind, Object, Part, Property, Spectrum, Spot, Value};
 use crate::error::{Error, Result};
 
 /// An object being read. Whatever is asked for counts as understood.
@@ -57,6 +57,15 @@ impl<'a> Query<'a> {
         }
     }
 
+    /// A number, if that is what stands there.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.property(name)?.value {
+            Value::Float(value) | Value::Spectrum(Spectrum::Constant(value)) => Some(value),
+            Value::Integer(value) => Some(value as f64),
+            _ => None,
+        }
+    }
+
     pub fn float(&self, name: &str, default: f64) -> Result<f64> {
         Ok(self.optional_float(name)?.unwrap_or(default))
     }
@@ -100,6 +109,16 @@ impl<'a> Query<'a> {
         match property.value {
             Value::Vector(value) => Ok(Some(value)),
             _ => Err(self.wrong_sort(property, "a point or vector")),
+        }
+    }
+
+    /// Three numbers, or one for all three.
+    pub fn vector_or_float(&self, name: &str) -> Result<Option<DVec3>> {
+        let Some(property) = self.property(name) else { return Ok(None) };
+        match property.value {
+            Value::Vector(value) => Ok(Some(value)),
+            Value::Rgb(value) => Ok(Some(DVec3::from_array(value))),
+            _ => self.optional_float(name).map(|value| value.map(DVec3::splat)),
         }
     }
 

@@ -4,6 +4,8 @@
 //! when a matrix mirrors: Mitsuba turns those of a sphere inside out, and keeps those of a rectangle, a disk, a
 //! cylinder and a cube. A mesh without normals follows its corners.
 
+mod groups;
+
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -52,14 +54,17 @@ impl Importer<'_> {
             self.leftovers(query);
             return parts.iter().try_for_each(|part| self.nested_shape(part.object, depth + 1));
         }
-        let matrix = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
+        let matrix = self.parent * query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
         let placed = match plugin.as_str() {
             "sphere" => self.sphere(query, matrix)?,
             "rectangle" => rectangle(matrix),
             "disk" => self.disk(query, matrix),
             "cylinder" => self.cylinder(query, matrix)?,
             "cube" => cube(matrix),
-            "obj" | "ply" | "serialized" => mesh(query, matrix, &plugin)?,
+            "obj" | "ply" | "serialized" => self.mesh(query, matrix, &plugin)?,
+            "instance" => return self.instance(query, matrix, depth),
+            // Seen through its instances only.
+            "shapegroup" => return Ok(()),
             _ => {
                 self.left_out(object, "this shape is left out");
                 return Ok(());
@@ -69,7 +74,7 @@ impl Importer<'_> {
     }
 
     fn finish_shape(&mut self, query: Query, placed: Placed) -> Result<()> {
-        let key = format!("shapes[{}]", self.description().shapes.len());
+        let key = self.next_shape();
         self.note(&key, query.object.spot);
         let names = ["radius", "center", "filename", "to_world", "shape_index"];
         let ours = ["radius", "center", "file", "transform", "index"];
@@ -86,7 +91,11 @@ impl Importer<'_> {
             }
             None => None,
         };
-        let material = match query.part(Kind::Bsdf) {
+        let bsdfs = query.parts(Kind::Bsdf);
+        if bsdfs.len() > 1 {
+            self.warn(bsdfs[1].spot, "a shape of several materials is not supported: all of it has the first");
+        }
+        let material = match bsdfs.first() {
             Some(part) => {
                 self.note(format!("{key}.material"), part.spot);
                 Some(self.material(part.object)?)
@@ -94,29 +103,41 @@ impl Importer<'_> {
             None if emission.is_some() => None,
             None => Some(bsdf::default_material()),
         };
+        let meter = self.meter(query, &key);
         query.ignore(&["optimize", "silhouette_sampling_weight"]);
         self.leftovers(query);
-        self.description().shapes.push(ShapeDescription {
+        self.push_shape(ShapeDescription {
             geometry: placed.geometry,
             material,
             emission,
             transform: Transform(placed.transform.as_mat4()),
             flip_normal: flip_normals != placed.flip,
-            name: query.object.id.clone(),
+            name: query.object.id.clone().or(meter),
         });
         Ok(())
     }
 
     fn emission(&mut self, object: usize) -> Result<Option<EmissionDescription>> {
         let query = self.query(object);
-        if query.object.plugin != "area" {
-            self.left_out(object, "the shape does not emit");
-            return Ok(None);
+        match query.object.plugin.as_str() {
+            "area" => {}
+            "angulararea" => self.left_out(object, "it shines in all directions, as an 'area' does"),
+            _ => {
+                self.left_out(object, "the shape does not emit");
+                return Ok(None);
+            }
         }
         query.ignore(&["sampling_weight"]);
-        let radiance = self.color(query, "radiance", Role::Light, 1.0)?;
+        let (radiance, scale) = match query.named_part("radiance") {
+            Some(part) => {
+                let (inner, factor) = self.unscaled(part.object)?;
+                (self.painted(inner, Role::Light, 1.0)?, factor)
+            }
+            None => (self.paint(query, "radiance", Role::Light, 1.0)?, 1.0),
+        };
         self.leftovers(query);
-        Ok(Some(EmissionDescription { radiance: Some(radiance.into()), power: None, scale: 1.0, two_sided: false }))
+        let scale = scale as f32;
+        Ok(Some(EmissionDescription { radiance: Some(radiance), power: None, scale, two_sided: false }))
     }
 
     fn sphere(&mut self, query: Query, matrix: DMat4) -> Result<Placed> {
@@ -170,6 +191,27 @@ impl Importer<'_> {
         };
         Ok(Placed::in_world(geometry, false))
     }
+
+    fn mesh(&mut self, query: Query, matrix: DMat4, plugin: &str) -> Result<Placed> {
+        let Some(file) = query.text("filename")? else {
+            return Err(query.fault("filename", format!("a shape of type '{plugin}' needs a 'filename'")));
+        };
+        if query.optional_float("max_smooth_angle")?.is_some() {
+            let message = "'max_smooth_angle' is not supported: the normals of the file are used";
+            self.warn(query.spot("max_smooth_angle"), message);
+        }
+        let geometry = GeometryDescription::Mesh {
+            file: file.to_string(),
+            index: if plugin == "serialized" { query.count("shape_index", 0)?.unwrap_or(0) } else { 0 },
+            face_normals: query.boolean("face_normals", false)?,
+            smooth: true,
+            // In OBJ files v runs upwards, in Mitsuba's pictures downwards.
+            flip_v: query.boolean("flip_tex_coords", plugin == "obj")?,
+        };
+        // Where normals are smooth anyway, and where colours are taken as they are.
+        query.ignore(&["collapse", "srgb"]);
+        Ok(Placed { geometry, transform: matrix, flip: false })
+    }
 }
 
 /// From (-1, -1) to (1, 1), seen from +z, also through a mirror, which turns u × v round.
@@ -188,21 +230,6 @@ fn cube(matrix: DMat4) -> Placed {
     let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let transform = if mirrored { matrix * mirror } else { matrix };
     Placed { geometry: GeometryDescription::Cube {}, transform, flip: false }
-}
-
-fn mesh(query: Query, matrix: DMat4, plugin: &str) -> Result<Placed> {
-    let Some(file) = query.text("filename")? else {
-        return Err(query.fault("filename", format!("a shape of type '{plugin}' needs a 'filename'")));
-    };
-    let geometry = GeometryDescription::Mesh {
-        file: file.to_string(),
-        index: if plugin == "serialized" { query.count("shape_index", 0)?.unwrap_or(0) } else { 0 },
-        face_normals: query.boolean("face_normals", false)?,
-        smooth: true,
-        // In OBJ files v runs upwards, in Mitsuba's pictures downwards.
-        flip_v: query.boolean("flip_tex_coords", plugin == "obj")?,
-    };
-    Ok(Placed { geometry, transform: matrix, flip: false })
 }
 
 fn axes(matrix: DMat4) -> [DVec3; 3] {

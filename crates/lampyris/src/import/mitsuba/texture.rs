@@ -1,21 +1,22 @@
 //! Colours, and textures where one may stand.
 
-use glam::{DMat4, DVec3};
+mod pictures;
 
 use super::Importer;
-use super::document::{Object, Spectrum, Value};
+use super::document::{Spectrum, Value};
 use super::query::Query;
 use super::spectrum::{Role, to_rgb};
 use super::value;
 use crate::error::Result;
-use crate::scene::description::{Channel, Color, Paint, TextureDescription, TextureFilter, Transform, Wrap};
+use crate::scene::description::{Color, Paint};
 
 impl Importer<'_> {
     /// The colour `name`, or `default`. A texture there becomes a warning and its default.
     pub(super) fn color(&mut self, query: Query, name: &str, role: Role, default: f32) -> Result<Color> {
-        let plugin = query.named_part(name).map(|part| self.document.objects[part.object].plugin.as_str());
-        let texture = matches!(plugin, Some("bitmap" | "checkerboard"));
-        if !texture && let Paint::Color(color) = self.paint(query, name, role, default)? {
+        let part = query.named_part(name).map(|part| part.object);
+        // One that varies is not even looked at, lest it stay in the description.
+        let varies = part.is_some_and(|object| self.varies(object));
+        if !varies && let Paint::Color(color) = self.paint(query, name, role, default)? {
             return Ok(color);
         }
         self.warn(query.spot(name), format!("a texture cannot stand for '{name}': {default} is used instead"));
@@ -25,7 +26,7 @@ impl Importer<'_> {
     /// The colour or texture `name`, or `default`.
     pub(super) fn paint(&mut self, query: Query, name: &str, role: Role, default: f32) -> Result<Paint> {
         if let Some(part) = query.named_part(name) {
-            return self.painted_object(part.object, role, default);
+            return self.painted(part.object, role, default);
         }
         let Some(property) = query.property(name) else { return Ok(Paint::grey(default)) };
         let color = match &property.value {
@@ -48,14 +49,39 @@ impl Importer<'_> {
         Color(rgb.map(|channel| channel as f32))
     }
 
+    /// Whether a texture plugin gives different colours at different points.
+    fn varies(&self, object: usize) -> bool {
+        matches!(
+            self.document.objects[object].plugin.as_str(),
+            "bitmap" | "checkerboard" | "scale" | "mesh_attribute" | "vertexcolors"
+        )
+    }
+
     /// A texture or spectrum plugin.
-    fn painted_object(&mut self, object: usize, role: Role, default: f32) -> Result<Paint> {
+    pub(super) fn painted(&mut self, object: usize, role: Role, default: f32) -> Result<Paint> {
         let query = self.query(object);
+        self.visit(query, self.texture_depth)?;
+        self.texture_depth += 1;
+        let paint = self.painted_inside(object, query, role, default);
+        self.texture_depth -= 1;
+        paint
+    }
+
+    fn painted_inside(&mut self, object: usize, query: Query, role: Role, default: f32) -> Result<Paint> {
         let paint = match query.object.plugin.as_str() {
-            "bitmap" | "checkerboard" => Paint::Texture(self.texture(object)?),
+            "bitmap" | "checkerboard" | "mesh_attribute" | "vertexcolors" => self.texture(object, role)?,
+            "scale" => self.product(object, role, default)?,
             // Daylight is what (1, 1, 1) means.
-            "d65" => Paint::grey(query.float("scale", 1.0)? as f32),
+            "d65" => {
+                let color = self.color(query, "color", role, 1.0)?;
+                let scale = query.float("scale", 1.0)? as f32;
+                Color(color.0.map(|channel| channel * scale)).into()
+            }
             "srgb" | "rgb" => self.paint(query, "color", role, default)?,
+            "rawconstant" => match query.vector_or_float("value")? {
+                Some(value) => Color(value.as_vec3().to_array()).into(),
+                None => Paint::grey(default),
+            },
             "uniform" => {
                 let value = Spectrum::Constant(query.float("value", 1.0)?);
                 // As a plugin, unlike as a value, a constant is grey even in a light.
@@ -70,6 +96,12 @@ impl Importer<'_> {
                 let spectrum = listed(query)?;
                 self.spectrum(query, "values", &spectrum, role).into()
             }
+            // Lines on a ground, thin by default: the ground alone.
+            plugin @ ("gridtexture" | "wireframe") => {
+                let (name, ground) = if plugin == "wireframe" { ("interior_color", 0.5) } else { ("color0", 0.2) };
+                self.left_out(object, &format!("its '{name}' is used everywhere"));
+                return self.paint(query, name, role, ground);
+            }
             _ => {
                 self.left_out(object, &format!("{default} is used instead"));
                 return Ok(Paint::grey(default));
@@ -77,73 +109,6 @@ impl Importer<'_> {
         };
         self.leftovers(query);
         Ok(paint)
-    }
-
-    /// The name in the description of a bitmap or checkerboard.
-    fn texture(&mut self, object: usize) -> Result<String> {
-        if let Some(name) = self.textures.get(&object) {
-            return Ok(name.clone());
-        }
-        let query = self.query(object);
-        let texture = match query.object.plugin.as_str() {
-            "bitmap" => self.bitmap(query)?,
-            _ => TextureDescription::Checkerboard {
-                color0: self.paint(query, "color0", Role::Surface, 0.4)?,
-                color1: self.paint(query, "color1", Role::Surface, 0.2)?,
-                to_uv: single(to_uv(query)?),
-            },
-        };
-        let name = self.texture_name(query.object);
-        self.note(format!("textures.{name}"), query.object.spot);
-        self.note_all(&format!("textures.{name}"), query, &[("file", "filename"), ("to-uv", "to_uv")]);
-        self.description().textures.insert(name.clone(), texture);
-        self.textures.insert(object, name.clone());
-        Ok(name)
-    }
-
-    fn texture_name(&mut self, object: &Object) -> String {
-        let taken = &self.imported.description.textures;
-        match &object.id {
-            Some(id) if !taken.contains_key(id) => id.clone(),
-            _ => (taken.len() + 1..)
-                .map(|number| format!("texture-{number}"))
-                .find(|name| !taken.contains_key(name))
-                .unwrap_or_default(),
-        }
-    }
-
-    fn bitmap(&mut self, query: Query) -> Result<TextureDescription> {
-        let Some(file) = query.text("filename")? else {
-            return Err(query.fault("filename", "a bitmap needs a 'filename'"));
-        };
-        let wrap = query.text("wrap_mode")?.or(query.text("wrap_mode_u")?).unwrap_or("repeat");
-        let wrap = match wrap {
-            "repeat" => Wrap::Repeat,
-            "mirror" => Wrap::Mirror,
-            "clamp" => Wrap::Clamp,
-            other => {
-                self.warn(query.spot("wrap_mode"), format!("wrap mode '{other}' is not supported: repeat is used"));
-                Wrap::Repeat
-            }
-        };
-        // Mitsuba 0.x also has trilinear and ewa, which agree with bilinear up to their blur.
-        let nearest = query.text("filter_type")?.is_some_and(|filter| filter == "nearest");
-        let filter = if nearest { TextureFilter::Nearest } else { TextureFilter::Bilinear };
-        // Its gamma of 1 means that the numbers are linear; -1 that the file knows.
-        let raw = query.boolean("raw", false)? || query.optional_float("gamma")?.is_some_and(|gamma| gamma == 1.0);
-        // Its (0, 0) is the top left corner of the picture, ours the bottom left.
-        let upside_down = DMat4::from_translation(DVec3::Y) * DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
-        let to_uv = single(upside_down * to_uv(query)?);
-        query.ignore(&["max_anisotropy", "cache", "accel", "format", "wrap_mode_v"]);
-        Ok(TextureDescription::Bitmap {
-            file: file.to_string(),
-            raw,
-            channel: Channel::Color,
-            filter,
-            wrap,
-            wrap_v: None,
-            to_uv,
-        })
     }
 }
 
@@ -162,16 +127,4 @@ fn listed(query: Query) -> Result<Spectrum> {
         }
     };
     value::spectrum_of(&wavelengths, &values).map_err(|message| query.fault("values", message))
-}
-
-/// `to_uv`, or the scales and offsets of 0.x.
-fn to_uv(query: Query) -> Result<DMat4> {
-    let scale = DVec3::new(query.float("uscale", 1.0)?, query.float("vscale", 1.0)?, 1.0);
-    let offset = DVec3::new(query.float("uoffset", 0.0)?, query.float("voffset", 0.0)?, 0.0);
-    let old = DMat4::from_translation(offset) * DMat4::from_scale(scale);
-    Ok(query.transform("to_uv")?.unwrap_or(DMat4::IDENTITY) * old)
-}
-
-fn single(matrix: DMat4) -> Transform {
-    Transform(matrix.as_mat4())
 }

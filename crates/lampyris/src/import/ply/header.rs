@@ -136,7 +136,7 @@ fn property(words: &[&str]) -> Result<Property, String> {
 }
 
 /// The place of `length` bytes from `start`, in a file that need not be text.
-pub(super) fn place(name: &str, bytes: &[u8], start: usize, length: usize) -> Place {
+pub(in crate::import) fn place(name: &str, bytes: &[u8], start: usize, length: usize) -> Place {
     let before = &bytes[..start];
     let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
     let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;

@@ -1,9 +1,15 @@
 //! What files mean and how they are refused, from files in memory.
 
 mod documents;
+mod groups;
+mod lights;
+mod materials;
 mod mutations;
+mod odd;
 mod parts;
 mod real_files;
+mod textures;
+mod views;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +17,7 @@ use std::path::{Path, PathBuf};
 use super::source::Folder;
 use super::{Imported, Options, read_from};
 use crate::error::{Error, Result};
-use crate::scene::description::{MaterialDescription, MaterialRef};
+use crate::scene::description::{MaterialDescription, MaterialRef, Paint, ShapeDescription};
 
 /// Files by name.
 struct Memory(HashMap<PathBuf, Vec<u8>>);
@@ -61,5 +67,45 @@ fn inner(material: &MaterialRef) -> &MaterialDescription {
     match material {
         MaterialRef::Inline(material) => material,
         MaterialRef::Named(name) => panic!("'{name}' should stand here itself"),
+    }
+}
+
+fn close(found: [f32; 3], wanted: [f32; 3]) {
+    assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} is not {wanted:?}");
+}
+
+fn shape(content: &str) -> ShapeDescription {
+    clean(&format!("<shape {content}</shape>")).description.shapes.remove(0)
+}
+
+fn placed(kind: &str, steps: &str) -> ShapeDescription {
+    shape(&format!("type='{kind}'><transform name='to_world'>{steps}</transform>"))
+}
+
+fn material(bsdf: &str) -> MaterialDescription {
+    let imported = clean(&format!("<shape type='sphere'>{bsdf}</shape>"));
+    inner(imported.description.shapes[0].material.as_ref().expect("a material")).clone()
+}
+
+const GREY: &str = "<bsdf type='diffuse'/>";
+
+fn grey() -> MaterialDescription {
+    MaterialDescription::Diffuse { reflectance: Paint::grey(0.5) }
+}
+
+/// What its front is made of, of a material black from behind.
+fn front(bsdf: &str) -> MaterialDescription {
+    match material(bsdf) {
+        MaterialDescription::TwoSided { front, back: Some(_) } => inner(&front).clone(),
+        other => panic!("{other:?} is not black from behind"),
+    }
+}
+
+/// Black from behind.
+fn one_sided(front: MaterialDescription) -> MaterialDescription {
+    let black = MaterialDescription::Diffuse { reflectance: Paint::grey(0.0) };
+    MaterialDescription::TwoSided {
+        front: MaterialRef::Inline(Box::new(front)),
+        back: Some(MaterialRef::Inline(Box::new(black))),
     }
 }

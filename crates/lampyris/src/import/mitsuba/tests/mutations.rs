@@ -7,7 +7,8 @@ const VALID: &str = r##"<scene version="0.6.0">
 <integrator type="moment"><integrator type="path"><integer name="maxDepth" value="$n"/></integrator></integrator>
 <sensor type="thinlens"><float name="fov" value="40"/><float name="apertureRadius" value="0.1"/>
  <transform name="toWorld"><lookat origin="0 0 -3" target="0,0,0" up="0 1 0"/></transform>
- <film type="hdrfilm"><integer name="width" value="64"/><rfilter type="tent"/></film></sensor>
+ <film type="hdrfilm"><integer name="width" value="64"/><integer name="cropWidth" value="16"/>
+ <integer name="cropOffsetX" value="8"/><rfilter type="tent"/></film></sensor>
 <bsdf type="twosided" id="a"><bsdf type="blendbsdf"><float name="weight" value="0.5"/>
  <bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1, 500:0.2"/></bsdf><bsdf type="conductor"/></bsdf></bsdf>
 <alias id="a" as="b"/>
@@ -15,6 +16,15 @@ const VALID: &str = r##"<scene version="0.6.0">
  <emitter type="area"><blackbody name="radiance" temperature="3000K"/></emitter></shape>
 <shape type="obj"><string name="filename" value="m.obj"/><bsdf type="mask"><texture name="opacity" type="bitmap">
  <string name="filename" value="t.png"/></texture><bsdf type="roughplastic"/></bsdf></shape>
+<texture type="scale" id="t"><float name="scale" value="0.5"/><texture type="checkerboard"><rgb name="color0" value="1"/>
+ <float name="uscale" value="2"/></texture></texture>
+<shape type="shapegroup" id="g"><shape type="cube"><bsdf type="bumpmap"><ref id="t"/><bsdf type="coating"><bsdf type="roughdiffuse"/>
+ </bsdf></bsdf></shape></shape><shape type="instance"><ref id="g"/></shape>
+<shape type="sphere"><bsdf type="normalmap"><string name="filename" value="n.png"/><bsdf type="hk"/></bsdf>
+ <sensor type="irradiancemeter"/></shape>
+<emitter type="sunsky"><integer name="month" value="5"/><float name="hour" value="9"/></emitter>
+<emitter type="projector"><ref name="irradiance" id="t"/></emitter><emitter type="collimated"/>
+<emitter type="envmap"><string name="filename" value="e.exr"/></emitter>
 <emitter type="spot"><srgb name="intensity" value="#ff8800"/></emitter><!-- comment -- -->
 <include filename="a.xml"/></scene>"##;
 

@@ -4,38 +4,6 @@ use crate::scene::description::{
     TextureDescription,
 };
 
-fn close(found: [f32; 3], wanted: [f32; 3]) {
-    assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} is not {wanted:?}");
-}
-
-fn shape(content: &str) -> crate::scene::description::ShapeDescription {
-    clean(&format!("<shape {content}</shape>")).description.shapes.remove(0)
-}
-
-fn placed(kind: &str, steps: &str) -> crate::scene::description::ShapeDescription {
-    shape(&format!("type='{kind}'><transform name='to_world'>{steps}</transform>"))
-}
-
-fn material(bsdf: &str) -> MaterialDescription {
-    let imported = clean(&format!("<shape type='sphere'>{bsdf}</shape>"));
-    inner(imported.description.shapes[0].material.as_ref().expect("a material")).clone()
-}
-
-const GREY: &str = "<bsdf type='diffuse'/>";
-
-fn grey() -> MaterialDescription {
-    MaterialDescription::Diffuse { reflectance: Paint::grey(0.5) }
-}
-
-/// Black from behind.
-fn one_sided(front: MaterialDescription) -> MaterialDescription {
-    let black = MaterialDescription::Diffuse { reflectance: Paint::grey(0.0) };
-    MaterialDescription::TwoSided {
-        front: MaterialRef::Inline(Box::new(front)),
-        back: Some(MaterialRef::Inline(Box::new(black))),
-    }
-}
-
 #[test]
 fn each_step_of_a_transform_comes_after_the_one_before() {
     let sphere = placed("sphere", "<translate x='1'/><scale value='3'/><rotate z='1' angle='90'/>");
@@ -187,7 +155,7 @@ fn light_passes_a_mask_from_both_sides() {
     };
     assert_eq!(opacity, Paint::grey(0.25));
     assert_eq!(inner(&material), &one_sided(grey()));
-    let MaterialDescription::Mask { opacity, .. } = super::parts::material("<bsdf type='null'/>") else {
+    let MaterialDescription::Mask { opacity, .. } = super::material("<bsdf type='null'/>") else {
         panic!("not a mask")
     };
     assert_eq!(opacity, Paint::grey(0.0));
@@ -246,34 +214,6 @@ fn a_metal_in_a_medium_counts_by_its_ratio() {
     let MaterialDescription::TwoSided { front, .. } = material(metal) else { panic!("not one-sided") };
     let MaterialDescription::Conductor { eta, k, .. } = inner(&front) else { panic!("not a conductor") };
     assert_eq!((eta.map(|eta| eta.0[0]), k.map(|k| k.0[0])), (Some(2.0), Some(4.0)));
-}
-
-#[test]
-fn what_we_lack_is_replaced_with_a_word() {
-    let replaced = |bsdf: &str| {
-        let imported =
-            scene(&format!("<shape type='cube'><bsdf type='twosided'>{bsdf}</bsdf></shape>")).expect("valid");
-        let found = messages(&imported);
-        assert_eq!(found.len(), 1, "{found:?}");
-        assert!(found[0].contains("is not supported: "), "{found:?}");
-        let shape = &imported.description.shapes[0];
-        let MaterialDescription::TwoSided { front, .. } = inner(shape.material.as_ref().expect("one")) else {
-            panic!("not two-sided")
-        };
-        inner(front).clone()
-    };
-    let rough =
-        "<bsdf type='roughconductor'><float name='alpha' value='0.1'/><string name='material' value='none'/></bsdf>";
-    assert!(matches!(replaced(rough), MaterialDescription::Mirror { .. }));
-    assert!(matches!(replaced("<bsdf type='roughplastic'/>"), MaterialDescription::Plastic { .. }));
-    assert!(matches!(replaced("<bsdf type='roughdielectric'/>"), MaterialDescription::Glass { .. }));
-    assert_eq!(replaced("<bsdf type='hk'/>"), grey());
-    let principled = replaced("<bsdf type='principled'><rgb name='base_color' value='0.1 0.2 0.3'/></bsdf>");
-    assert_eq!(principled, MaterialDescription::Diffuse { reflectance: Color([0.1, 0.2, 0.3]).into() });
-    assert!(matches!(
-        replaced("<bsdf type='bumpmap'><bsdf type='plastic'/></bsdf>"),
-        MaterialDescription::Plastic { .. }
-    ));
 }
 
 #[test]
@@ -340,13 +280,6 @@ fn lights_are_placed_and_measured_as_there() {
 }
 
 #[test]
-fn an_unknown_light_is_left_out() {
-    let imported = scene("<emitter type='envmap'><string name='filename' value='x.exr'/></emitter>").expect("valid");
-    assert!(imported.description.lights.is_empty());
-    assert_eq!(messages(&imported), ["a.xml:2:1: emitter 'envmap' is not supported: this light is left out"]);
-}
-
-#[test]
 fn textures_are_named_and_shared() {
     let description = clean(
         "<texture type='checkerboard' id='board'><rgb name='color0' value='1'/><transform name='to_uv'><scale value='4'/></transform></texture>
@@ -365,13 +298,6 @@ fn textures_are_named_and_shared() {
         &description.textures["texture-2"],
         TextureDescription::Bitmap { file, raw: true, filter: crate::scene::description::TextureFilter::Nearest, wrap: crate::scene::description::Wrap::Clamp, .. } if file == "t.png"
     ));
-}
-
-#[test]
-fn a_texture_where_only_a_colour_may_stand_is_a_warning() {
-    let imported = scene("<shape type='cube'><emitter type='area'><texture type='bitmap' name='radiance'><string name='filename' value='t.png'/></texture></emitter></shape>").expect("valid");
-    assert_eq!(imported.warnings.len(), 1);
-    assert!(imported.description.textures.is_empty());
 }
 
 #[test]

@@ -1,38 +1,11 @@
-//! Substances that Mitsuba files call by name.
+//! Measured metals and other conductors, by the names that Mitsuba, Tungsten and LuxCore share.
 
-/// Indices of refraction at 589 nm. Gases at 0 °C and 1 atm, liquids at 20 °C; the usual values of handbooks.
-pub(super) const IORS: [(&str, f32); 23] = [
-    ("vacuum", 1.0),
-    ("helium", 1.000036),
-    ("hydrogen", 1.000132),
-    ("air", 1.000277),
-    ("carbon dioxide", 1.00045),
-    ("water", 1.333),
-    ("acetone", 1.36),
-    ("ethanol", 1.361),
-    ("carbon tetrachloride", 1.461),
-    ("glycerol", 1.4729),
-    ("benzene", 1.501),
-    ("silicone oil", 1.52045),
-    ("bromine", 1.661),
-    ("water ice", 1.31),
-    ("fused quartz", 1.458),
-    ("pyrex", 1.47),
-    ("acrylic glass", 1.49),
-    ("polypropylene", 1.49),
-    ("bk7", 1.5046),
-    ("sodium chloride", 1.544),
-    ("amber", 1.55),
-    ("pet", 1.575),
-    ("diamond", 2.419),
-];
-
-/// Complex indices of refraction of conductors as linear RGB, by Mitsuba's names: real and imaginary parts.
+/// Name, real and imaginary part of the index of refraction, as linear RGB.
 ///
 /// The measured spectra are those of the luxpop.com database that Mitsuba comes with; the RGB numbers are what
 /// Mitsuba 3.9.1 makes of them in its RGB mode, to four digits, so that both programs draw the same metal.
 #[rustfmt::skip]
-pub(super) const CONDUCTORS: [(&str, [f32; 3], [f32; 3]); 37] = [
+pub const METALS: [(&str, [f32; 3], [f32; 3]); 37] = [
     ("a-C", [2.9440, 2.2271, 1.9682], [0.8875, 0.7993, 0.8153]),
     ("Ag", [0.1553, 0.1167, 0.1384], [4.8284, 3.1222, 2.1469]),
     ("Al", [1.6575, 0.8804, 0.5212], [9.2238, 6.2695, 4.8370]),
@@ -72,14 +45,21 @@ pub(super) const CONDUCTORS: [(&str, [f32; 3], [f32; 3]); 37] = [
     ("W", [4.3708, 3.3002, 2.9984], [3.5006, 2.6049, 2.2732]),
 ];
 
-/// The index of refraction of a substance.
-pub(super) fn ior(name: &str) -> Option<f32> {
-    IORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim())).map(|(_, ior)| *ior)
+/// Real and imaginary part by name; capitals and the ending `_palik` do not matter.
+pub fn named(name: &str) -> Option<([f32; 3], [f32; 3])> {
+    let bare = |name: &str| name.trim().trim_end_matches("_palik").to_ascii_lowercase();
+    let found = METALS.iter().find(|(known, ..)| bare(known) == bare(name));
+    found.map(|(_, eta, k)| (*eta, *k))
 }
 
-/// The complex index of refraction of a conductor.
-pub(super) fn conductor(name: &str) -> Option<([f32; 3], [f32; 3])> {
-    let same = |known: &str| known.eq_ignore_ascii_case(name.trim().trim_end_matches("_palik"));
-    let found = CONDUCTORS.iter().find(|(known, ..)| same(known.trim_end_matches("_palik")));
-    found.map(|(_, eta, k)| (*eta, *k))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_known_however_they_are_written() {
+        assert_eq!(named("au"), named("Au"));
+        assert_eq!(named("Na"), named("Na_palik"));
+        assert!(named("Unobtainium").is_none());
+    }
 }

@@ -30,7 +30,16 @@ impl Folder for Disk {
     }
 }
 
-/// A file's text, fit for an XML reader, and the beginnings of its lines.
+/// A stretch of one of an importer's text files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Spot {
+    /// Which file, in the order of reading.
+    pub source: usize,
+    pub start: usize,
+    pub end: usize,
+}
+
+/// A file's text and the beginnings of its lines.
 pub(super) struct Source {
     file: PathBuf,
     pub text: String,
@@ -39,12 +48,11 @@ pub(super) struct Source {
 
 impl Source {
     /// Takes the bytes of `file`: UTF-8, with or without a byte-order mark.
-    pub fn new(file: PathBuf, mut bytes: Vec<u8>) -> Result<Source> {
+    pub fn new(file: PathBuf, bytes: Vec<u8>) -> Result<Source> {
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
             let error = Error::new("the file is in UTF-16").with_hint("save it as UTF-8");
             return Err(error.with_file(file));
         }
-        blank_comments(&mut bytes);
         let text = match String::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
@@ -76,28 +84,5 @@ impl Source {
         let rest = &self.text[begin..];
         let at = begin + rest.char_indices().nth(column.saturating_sub(1)).map_or(rest.len(), |(at, _)| at);
         self.place(at..at)
-    }
-}
-
-/// Overwrites what stands in comments with blanks: real files hold `--` there, which XML forbids but Mitsuba's
-/// reader takes. Offsets and lines stay as they are.
-fn blank_comments(bytes: &mut [u8]) {
-    let mut at = 0;
-    while at < bytes.len() {
-        let rest = &bytes[at..];
-        let (opening, closing): (usize, &[u8]) = if rest.starts_with(b"<!--") {
-            (4, b"-->")
-        } else if rest.starts_with(b"<![CDATA[") {
-            (9, b"]]>")
-        } else {
-            at += 1;
-            continue;
-        };
-        let Some(length) = rest[opening..].windows(3).position(|three| three == closing) else { return };
-        let content = at + opening..at + opening + length;
-        if opening == 4 {
-            bytes[content.clone()].iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|b| *b = b' ');
-        }
-        at = content.end + 3;
     }
 }

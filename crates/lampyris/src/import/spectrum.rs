@@ -5,9 +5,19 @@
 //!
 //! Colours that RGB cannot hold are clamped to 0, as there.
 
-use super::document::Spectrum;
 pub(super) use crate::spectrum::eye::Role;
 use crate::spectrum::eye::{planck, rgb};
+
+/// A spectrum as a file gives it, before we know whether it is of a surface or of a light.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Spectrum {
+    /// The same at all wavelengths.
+    Constant(f64),
+    /// Wavelength in nm and value, in rising order, straight lines between.
+    List(Vec<[f64; 2]>),
+    /// An ideal black body in kelvin, times a factor.
+    BlackBody { temperature: f64, scale: f64 },
+}
 
 /// The linear RGB of `spectrum`, and whether a channel had to be clamped.
 pub(super) fn to_rgb(spectrum: &Spectrum, role: Role) -> ([f64; 3], bool) {

@@ -1,6 +1,6 @@
 //! Numbers, colours and spectra from the text of an attribute.
 
-use super::document::Spectrum;
+use super::spectrum::Spectrum;
 use crate::scene::description::Color;
 use crate::spectrum::srgb_to_linear;
 
@@ -115,7 +115,8 @@ pub(super) fn spectrum_of(wavelengths: &[f64], values: &[f64]) -> Result<Spectru
     rising(wavelengths.iter().zip(values).map(|(&wavelength, &value)| [wavelength, value]).collect())
 }
 
-fn rising(pairs: Vec<[f64; 2]>) -> Result<Spectrum, String> {
+/// The spectrum of pairs of wavelength and value, which must rise.
+pub(super) fn rising(pairs: Vec<[f64; 2]>) -> Result<Spectrum, String> {
     if pairs.is_empty() {
         return Err("the spectrum has no values".to_string());
     }

@@ -1,0 +1,120 @@
+//! The film, its filter and the sampler.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::import::mitsuba::Importer;
+use crate::import::mitsuba::document::Kind;
+use crate::import::mitsuba::query::Query;
+use crate::scene::description::{FilmDescription, FilterDescription};
+
+/// The part of the picture that is drawn, in pixels from the top left corner.
+pub(super) struct Window {
+    /// Width and height of the whole picture.
+    pub full: [u32; 2],
+    offset: [u32; 2],
+    size: [u32; 2],
+}
+
+impl Window {
+    pub fn is_whole(&self) -> bool {
+        self.size == self.full
+    }
+
+    /// The vectors from the middle of the window to its left and top edges and that to its middle, from those of the
+    /// whole picture.
+    pub fn part(&self, [left, up]: [DVec3; 2], middle: DVec3) -> [DVec3; 3] {
+        let share = |axis: usize| f64::from(self.size[axis]) / f64::from(self.full[axis]);
+        // Of the window's middle, 1 at the left or top edge and -1 at the other.
+        let place = |axis: usize| 1.0 - 2.0 * f64::from(self.offset[axis]) / f64::from(self.full[axis]) - share(axis);
+        [left * share(0), up * share(1), middle + place(0) * left + place(1) * up]
+    }
+}
+
+impl Importer<'_> {
+    /// Reads the film, and says which part of it the camera draws.
+    pub(super) fn film(&mut self, object: Option<usize>) -> Result<Window> {
+        // Mitsuba's sizes where the file gives none.
+        let mut film = FilmDescription { size: [768, 576], filter: FilterDescription::Gaussian { stddev: 0.5 } };
+        let Some(object) = object else {
+            let full = film.size;
+            self.description().film = film;
+            return Ok(Window { full, offset: [0, 0], size: full });
+        };
+        let query = self.query(object);
+        let full =
+            [query.count("width", 1)?.unwrap_or(film.size[0]), query.count("height", 1)?.unwrap_or(film.size[1])];
+        let window = crop(query, full)?;
+        film.size = window.size;
+        if let Some(part) = query.part(Kind::Filter) {
+            film.filter = self.filter(part.object)?;
+        }
+        // How their file is written, and what we always or never do.
+        query.ignore(&["file_format", "pixel_format", "component_format", "gamma", "banner", "attach_log"]);
+        query.ignore(&[
+            "high_quality_edges",
+            "sample_border",
+            "compensate",
+            "tonemap_method",
+            "exposure",
+            "key",
+            "burn",
+        ]);
+        let known = matches!(query.object.plugin.as_str(), "hdrfilm" | "ldrfilm" | "mfilm" | "specfilm");
+        if known {
+            self.leftovers(query);
+        } else {
+            self.left_out(object, "an ordinary film of its size is used");
+        }
+        self.note("film", query.object.spot);
+        self.note_all("film", query, &[("size", "width")]);
+        self.description().film = film;
+        Ok(window)
+    }
+
+    fn filter(&mut self, object: usize) -> Result<FilterDescription> {
+        let query = self.query(object);
+        let filter = match query.object.plugin.as_str() {
+            "box" => FilterDescription::Box { radius: query.float("radius", 0.5)? as f32 },
+            "tent" => FilterDescription::Tent { radius: query.float("radius", 1.0)? as f32 },
+            "gaussian" => FilterDescription::Gaussian { stddev: query.float("stddev", 0.5)? as f32 },
+            _ => {
+                self.left_out(object, "a Gaussian of standard deviation 0.5 is used");
+                return Ok(FilterDescription::Gaussian { stddev: 0.5 });
+            }
+        };
+        self.leftovers(query);
+        self.note("film.filter", query.object.spot);
+        Ok(filter)
+    }
+
+    /// Samples per pixel; the pattern is ours whatever theirs is.
+    pub(super) fn sampler(&mut self, object: usize) -> Result<()> {
+        let query = self.query(object);
+        let passes = query.count("sample_count", 1)?;
+        let seed = query.integer("seed")?;
+        self.description().render.passes = passes;
+        if let Some(seed) = seed {
+            let seed = u64::try_from(seed).map_err(|_| query.fault("seed", "the seed must not be negative"))?;
+            self.description().render.seed = seed;
+        }
+        query.ignore(&["jitter", "dimension", "scramble"]);
+        self.note("render.passes", query.spot("sample_count"));
+        self.leftovers(query);
+        Ok(())
+    }
+}
+
+fn crop(query: Query, full: [u32; 2]) -> Result<Window> {
+    let count =
+        |name: &str, least: u32, default: u32| -> Result<u32> { Ok(query.count(name, least)?.unwrap_or(default)) };
+    let offset = [count("crop_offset_x", 0, 0)?, count("crop_offset_y", 0, 0)?];
+    let rest = |axis: usize| full[axis].saturating_sub(offset[axis]);
+    let size = [count("crop_width", 1, rest(0))?, count("crop_height", 1, rest(1))?];
+    for (axis, name) in ["crop_width", "crop_height"].into_iter().enumerate() {
+        if size[axis] == 0 || size[axis] > rest(axis) {
+            return Err(query.fault(name, "the crop window lies outside the picture"));
+        }
+    }
+    Ok(Window { full, offset, size })
+}

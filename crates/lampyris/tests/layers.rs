@@ -1,0 +1,160 @@
+//! Layers: their sum is the picture, they mean the same whoever computes them, and whoever asks for them changes nothing.
+
+mod common;
+
+use common::{Lit, lit};
+use lampyris::film::{Film, Layer, Layers};
+use lampyris::image::Image;
+use lampyris::integrator::Silent;
+use lampyris::render::Render;
+
+/// A floor with a mirror ball, and a glowing disk behind them that lights both; the sky is black.
+const SCENE: &str = "
+film = { size = [24, 18] }
+camera = { origin = [0, 1.5, -4], target = [0, 0.6, 0], fov = 50 }
+[[shapes]]
+type = 'quad'
+corner = [-2, 0, -2]
+u = [0, 0, 4]
+v = [4, 0, 0]
+material = { type = 'diffuse', reflectance = [0.75, 0.5, 0.25] }
+[[shapes]]
+type = 'sphere'
+center = [0.4, 0.5, 0.2]
+radius = 0.5
+material = { type = 'mirror' }
+[[shapes]]
+type = 'disk'
+center = [-0.8, 0.7, 1]
+normal = [0, 0, -1]
+radius = 0.5
+material = { type = 'diffuse', reflectance = 0.5 }
+emission = { radiance = [3, 2, 1] }
+";
+
+const WAYS: [&str; 5] = [
+    "integrator=path samples=2",
+    "integrator=light photons=20000",
+    "integrator=photon-map photons=20000 samples=2",
+    "integrator=photon-map photons=20000 direct=photons",
+    "integrator=photon-map photons=20000 direct=photons bandwidth=nearest",
+];
+
+fn film(lit: &Lit, layers: Layers, passes: u32) -> Film {
+    let mut render = Render::with_layers(&lit.scene, &lit.description, layers, &Silent);
+    (0..passes).for_each(|_| render.step(&Silent));
+    render.film().clone()
+}
+
+fn layer(film: &Film, layer: Layer) -> Image {
+    film.layer(layer).unwrap_or_else(|| panic!("no {}", layer.name()))
+}
+
+#[test]
+fn the_picture_is_the_same_to_the_bit_with_layers_and_without() {
+    for way in WAYS {
+        let lit = lit(SCENE, way);
+        let bits =
+            |image: &Image| image.pixels().as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        let plain = bits(&film(&lit, Layers::NONE, 3).image());
+        assert!(plain == bits(&film(&lit, Layers::ALL, 3).image()), "{way}");
+        assert!(plain == bits(&film(&lit, Layers::NONE.with(Layer::Depth), 3).image()), "{way}");
+    }
+}
+
+#[test]
+fn layers_are_the_same_to_the_bit_on_any_number_of_threads() {
+    for way in WAYS {
+        let lit = lit(SCENE, way);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let film = pool.install(|| film(&lit, Layers::ALL, 2));
+            Layer::ALL.map(|each| layer(&film, each))
+        };
+        assert!(on(1) == on(3), "{way}");
+    }
+}
+
+#[test]
+fn emission_direct_and_indirect_light_add_up_to_the_picture() {
+    for way in WAYS {
+        let film = film(&lit(SCENE, way), Layers::ALL, 4);
+        let [emission, direct, indirect] =
+            [Layer::Emission, Layer::Direct, Layer::Indirect].map(|each| layer(&film, each));
+        for (index, pixel) in film.image().pixels().iter().enumerate() {
+            for channel in 0..3 {
+                let sum: f32 = [&emission, &direct, &indirect].map(|part| part.pixels()[index][channel]).iter().sum();
+                assert!(
+                    (sum - pixel[channel]).abs() <= 1e-5 * pixel[channel].abs().max(1e-3),
+                    "{way}: {sum} {pixel:?}"
+                );
+            }
+        }
+    }
+}
+
+/// With paths of one event there is emission and direct light, and nothing else; what a longer render calls indirect is
+/// what such a render lacks.
+#[test]
+fn emission_and_direct_light_are_what_paths_of_one_event_bring() {
+    let full = film(&lit(SCENE, "integrator=path"), Layers::ALL, 1);
+    let short = film(&lit(SCENE, "integrator=path max-bounces=1"), Layers::ALL, 1);
+    // The first event's random numbers are the same, and roulette begins later.
+    let largest = layer(&short, Layer::Indirect).max();
+    assert!(largest < 1e-5, "a path of one event brings no indirect light, not {largest}");
+    assert!(layer(&full, Layer::Indirect).mean() > 100.0 * f64::from(largest));
+    for each in [Layer::Emission, Layer::Direct] {
+        let apart = lampyris::compare::compare(&layer(&full, each), &layer(&short, each)).expect("same size").max_abs;
+        assert!(apart < 1e-5, "{}: {apart}", each.name());
+    }
+}
+
+/// Means over the picture agree within a few hundredths, which is the noise of these seeds; the photon map's radius moves light within
+/// the picture, and hardly out of it. Light tracing sees nothing in mirrors, so its ball is of chalk.
+#[test]
+fn all_integrators_mean_the_same_by_each_layer() {
+    let chalk = SCENE.replace("{ type = 'mirror' }", "{ type = 'diffuse', reflectance = 0.9 }");
+    let path = WAYS[0];
+    for (scene, ways) in [(chalk.as_str(), [WAYS[1]].as_slice()), (SCENE, &WAYS[2..])] {
+        let films = |way: &str| film(&lit(scene, way), Layers::ALL, 128);
+        let reference = films(path);
+        for (way, film) in ways.iter().map(|way| (way, films(way))) {
+            for each in Layer::ALL {
+                let [found, expected] = [&film, &reference].map(|film| mean_size(&layer(film, each)));
+                // There is little indirect light here, so it is the noisiest, and some blurs beyond the floor's edges.
+                let bound = if each == Layer::Indirect { 0.12 } else { 0.03 };
+                assert!((found - expected).abs() < bound * expected, "{}: {way}: {found}, {expected}", each.name());
+            }
+        }
+    }
+}
+
+/// The mean absolute value of all that is finite.
+fn mean_size(image: &Image) -> f64 {
+    let finite: Vec<f32> = image.pixels().as_flattened().iter().copied().filter(|value| value.is_finite()).collect();
+    finite.iter().map(|&value| f64::from(value.abs())).sum::<f64>() / finite.len() as f64
+}
+
+#[test]
+fn features_are_those_of_the_first_surface() {
+    // A pixel of the floor in front of the ball, one of the ball's middle, one of the sky.
+    let film = film(&lit(SCENE, "integrator=path samples=4"), Layers::ALL, 2);
+    let [albedo, normal, depth, position] =
+        [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Position].map(|each| layer(&film, each));
+    let floor = (12, 14);
+    assert_eq!(albedo.pixel(floor.0, floor.1), [0.75, 0.5, 0.25]);
+    let [x, y, z] = normal.pixel(floor.0, floor.1);
+    assert!(x.abs() < 1e-6 && (y - 1.0).abs() < 1e-6 && z.abs() < 1e-6, "{:?}", (x, y, z));
+    let at = glam::Vec3::from(position.pixel(floor.0, floor.1));
+    assert!(at.y.abs() < 1e-5, "{at}");
+    let distance = at.distance(glam::Vec3::new(0.0, 1.5, -4.0));
+    assert!((depth.pixel(floor.0, floor.1)[0] - distance).abs() < 0.01 * distance, "{distance}");
+    assert!(albedo.pixels().contains(&[1.0; 3]), "the mirror ball is white");
+    assert_eq!((depth.pixel(0, 0)[0], albedo.pixel(0, 0), normal.pixel(0, 0)), (f32::INFINITY, [0.0; 3], [0.0; 3]));
+}
+
+#[test]
+fn a_picture_of_the_photon_map_has_no_layers() {
+    let film = film(&lit(SCENE, "integrator=photon-map photons=1000 show=photons"), Layers::ALL, 1);
+    assert!(Layer::ALL.into_iter().all(|each| film.layer(each).is_none()));
+}
