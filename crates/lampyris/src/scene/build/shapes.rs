@@ -279,4 +279,73 @@ mod tests {
             assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
         }
     }
+
+    /// What is wrong with a scene of a group and shapes, or the scene.
+    fn scene(shapes: &str) -> Result<crate::scene::Scene> {
+        let text = format!(
+            r#"
+            [camera]
+            origin = [0, 0, 5]
+            target = [0, 0, 0]
+            [[lights]]
+            type = "point"
+            position = [0, 0, 5]
+            intensity = 1.0
+            [materials]
+            red = {{ type = "diffuse", reflectance = [1, 0, 0] }}
+            green = {{ type = "diffuse", reflectance = [0, 1, 0] }}
+            {shapes}
+            "#
+        );
+        let imported = crate::import::toml::read_str(std::path::Path::new("scene.toml"), &text)?;
+        Ok(crate::scene::build(&imported.description, &crate::scene::NoAssets)?.scene)
+    }
+
+    const PAIR: &str = r#"
+        [[groups.pair]]
+        type = "sphere"
+        material = "red"
+        [[groups.pair]]
+        type = "cube"
+        transform = [{ translate = [3, 0, 0] }]
+        material = "green"
+    "#;
+
+    #[test]
+    fn instances_show_the_shapes_of_their_group_with_their_materials() {
+        let two = r#"
+            [[shapes]]
+            type = "instance"
+            group = "pair"
+            [[shapes]]
+            type = "instance"
+            group = "pair"
+            transform = [{ scale = [-0.5, 1, 1] }, { translate = [0, 10, 0] }]
+        "#;
+        let scene = scene(&format!("{PAIR}{two}")).expect("a good scene");
+        let seen = |x: f32, y: f32| {
+            let ray = crate::geometry::Ray { origin: Vec3::new(x, y, 5.0), direction: Vec3::NEG_Z };
+            let point = scene.closest(&ray)?;
+            Some((point.shape, point.distance, point.surface.normal, point.eval(Vec3::Z).to_rgb().map(|x| x > 0.0)))
+        };
+        let (red, green) = ([true, false, false], [false, true, false]);
+        assert_eq!(seen(0.0, 0.0), Some((0, 4.0, Vec3::Z, red)));
+        assert_eq!(seen(3.5, 0.5), Some((1, 4.0, Vec3::Z, green)));
+        assert_eq!(seen(0.0, 10.0), Some((0, 4.0, Vec3::Z, red)));
+        assert_eq!(seen(-1.75, 10.5), Some((1, 4.0, Vec3::Z, green)));
+        assert_eq!(seen(1.75, 10.5), None);
+    }
+
+    #[test]
+    fn what_a_group_cannot_hold_is_told_with_its_place() {
+        let key = |shapes: &str| scene(shapes).expect_err("a fault");
+        let unknown = key(&format!("{PAIR}\n[[shapes]]\ntype = \"instance\"\ngroup = \"pear\""));
+        assert!(unknown.to_string().contains("pear") && unknown.hint.is_some_and(|hint| hint.contains("pair")));
+        let own = key(&format!("{PAIR}\n[[shapes]]\ntype = \"instance\"\ngroup = \"pair\"\nmaterial = \"red\""));
+        assert_eq!(own.key.as_deref(), Some("shapes[0].material"));
+        let lamp = key("[[groups.lamp]]\ntype = \"sphere\"\nemission = { radiance = 1.0 }");
+        assert_eq!(lamp.key.as_deref(), Some("groups.lamp[0].emission"));
+        let nested = key("[[groups.a]]\ntype = \"instance\"\ngroup = \"a\"");
+        assert_eq!(nested.key.as_deref(), Some("groups.a[0]"));
+    }
 }
