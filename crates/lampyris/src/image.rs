@@ -35,6 +35,11 @@ impl Image {
         &self.pixels
     }
 
+    /// All pixels, row by row, the top row first.
+    pub fn into_pixels(self) -> Vec<[f32; 3]> {
+        self.pixels
+    }
+
     /// All pixels, to change.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.pixels

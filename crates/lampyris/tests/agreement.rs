@@ -112,6 +112,24 @@ fn on_a_box_lit_by_a_square_lamp() {
     assert_agreement("area", &room("", &[WALLS, BALL, lamp]));
 }
 
+/// A lamp that shines up and down, in squares.
+#[test]
+fn on_a_box_lit_by_a_textured_lamp_of_two_sides() {
+    let lamp = "
+        [textures.squares]
+        type = 'checkerboard'
+        color0 = [1, 0.2, 0]
+        color1 = [0, 0.3, 0.9]
+        to-uv = [{ scale = 1.5 }]
+        [[shapes]]
+        type = 'quad'
+        corner = [-0.3, 0.5, -0.3]
+        u = [0.6, 0, 0]
+        v = [0, 0, 0.6]
+        emission = { radiance = 'squares', scale = 9, two-sided = true }\n";
+    assert_agreement("textured lamp", &room("", &[WALLS, BALL, lamp]));
+}
+
 #[test]
 fn on_a_box_lit_by_a_ball_and_a_cylinder() {
     let lamps = "

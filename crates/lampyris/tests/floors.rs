@@ -32,7 +32,7 @@ const FLOORS: [(&str, u32); 22] = [
 
 /// Uses on one floor, each with its reason.
 const SIDEWAYS: [(&str, &str, &str); 5] = [
-    ("light", "texture", "a projector throws a texture"),
+    ("light", "texture", "a projector throws a texture, and the radiance of a lamp can be one"),
     ("material", "texture", "a material looks its textures up"),
     ("import", "output", "textures are pictures, and the readers of pictures stand beside their writers"),
     ("output", "tonemap", "files of 8 bits need a curve"),

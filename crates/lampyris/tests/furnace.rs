@@ -57,6 +57,22 @@ fn a_glowing_sphere_of_albedo_a_shines_with_le_over_one_minus_a() {
     assert_radiance("sphere", &text, &ALL, [2.0, 2.0 / 0.75, 2.5], 0.05);
 }
 
+/// Lit from inside by itself, however its normal points.
+#[test]
+fn a_sphere_that_glows_on_both_sides_shines_as_one_that_glows_inside() {
+    let text = INSIDE_VIEW.to_string()
+        + "[[shapes]]
+           type = 'sphere'
+           emission = { radiance = 'same', scale = 2, two-sided = true }
+           material = { type = 'diffuse', reflectance = 0.5 }
+           [textures.same]
+           type = 'mix'
+           weight = 0.25
+           first = 0.2
+           second = 1.4";
+    assert_radiance("two-sided sphere", &text, &ALL, [2.0; 3], 0.05);
+}
+
 /// A box has corners, near which kernels lose light: look at the middle of a wall alone.
 #[test]
 fn a_glowing_box_of_albedo_a_shines_with_le_over_one_minus_a() {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use common::lit;
-use common::statistics::{assert_distribution, assert_mean};
+use common::statistics::{assert_distribution, assert_frequency, assert_mean};
 use glam::{Vec2, Vec3};
 use lampyris::camera::Camera;
 use lampyris::geometry::Ray;
@@ -373,6 +373,66 @@ fn every_lamp_is_sampled_with_the_density_that_it_claims() {
         }
         assert_distribution(shape, &observed, &expected, f64::from(draws));
     }
+}
+
+/// Lamps with a back and with a pattern: still even by area, from both sides.
+#[test]
+fn lamps_of_two_sides_are_sampled_with_the_density_that_they_claim() {
+    let emission = "emission = { radiance = 'squares', scale = 3, two-sided = true }";
+    for (shape, at) in LAMPS {
+        for side in [1.0, -1.0] {
+            let textures = "textures = { squares = { type = 'checkerboard', color0 = 0.5, color1 = 1 } }";
+            let scene = with_lights(&format!("{textures}\nshapes = [{shape}, {emission} }}]"));
+            let at = Vec3::from(at) * Vec3::new(1.0, 1.0, side);
+            let density = |direction: Vec3| {
+                let lit = scene.closest(&Ray { origin: at, direction });
+                lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, &point)))
+            };
+            let draws = 40_000;
+            // Seen from inside or from beside, a closed shape has a back that the density of the front knows nothing
+            // of: what is found behind is one more class.
+            let expected: Vec<f64> = integrals(32, density).iter().map(|p| p * f64::from(draws)).collect();
+            let mut observed = vec![0.0; Z * AROUND];
+            let mut sampler = Sampler::new(3, 0, 0, 0);
+            for _ in 0..draws {
+                let Some(light) = scene.illuminate(at, &mut sampler) else { continue };
+                // Points behind the front do not count: a shadow ray would not reach them.
+                let seen = light.target.is_some_and(|target| !scene.surfaces().occluded(at, target));
+                if seen {
+                    observed[bin(light.to_light)] += 1.0;
+                }
+            }
+            assert_distribution(&format!("{shape}, {side}"), &observed, &expected, f64::from(draws));
+        }
+    }
+}
+
+/// Photons carry the radiance of where they start, times π, the area and two sides; half of them leave by each.
+#[test]
+fn photons_of_a_lamp_of_two_sides_carry_what_its_texture_says() {
+    let scene = with_lights(
+        "textures = { squares = { type = 'checkerboard', color0 = [1, 0, 0.5], color1 = 1 } }
+         shapes = [{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 3, 0],
+                     emission = { radiance = 'squares', scale = 2, two-sided = true } }]",
+    );
+    let draws = 10_000;
+    let (mut above, mut greens) = (0.0, Vec::new());
+    let mut sampler = Sampler::new(4, 0, 0, 0);
+    for _ in 0..draws {
+        let light = scene.lights()[0].emitter().emit(scene.surfaces(), &mut sampler).expect("a photon");
+        above += f64::from(u8::from(light.ray.direction.z > 0.0));
+        let uv = (light.ray.origin.truncate() + 1.0) / Vec2::new(2.0, 3.0);
+        let even = (uv.x > 0.5) == (uv.y > 0.5);
+        let radiance = if even { [2.0, 0.0, 1.0] } else { [2.0; 3] };
+        for (flux, radiance) in light.flux.to_rgb().into_iter().zip(radiance) {
+            assert!((flux - radiance * 2.0 * std::f32::consts::PI * 6.0).abs() < 1e-3, "{light:?}");
+        }
+        greens.push(f64::from(light.flux.to_rgb()[1]));
+    }
+    assert_frequency("front", above, f64::from(draws), 0.5);
+    let power = scene.power().to_rgb();
+    assert!((power[1] / (2.0 * std::f32::consts::PI * 6.0) - 1.0).abs() < 1e-3, "{power:?}");
+    assert_mean("green", &greens, f64::from(power[1]), 0.0, 0.1);
 }
 
 /// Where photons leave a shape: strata of equal area, by the texture coordinates.

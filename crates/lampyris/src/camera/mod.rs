@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::math::warp;
 
 /// A camera with its picture in pixels: (0, 0) is the top left corner of the picture, x goes right, y down.
@@ -137,6 +137,16 @@ impl Camera {
             lens: self.origin + on_lens,
             importance: per_solid_angle / to_point.length_squared(),
         })
+    }
+
+    /// What a ray of the camera stands for: a pixel in the middle of the picture, as wide as it is high. What a lens
+    /// blurs is left to the samples.
+    pub fn cone(&self) -> Cone {
+        let side = self.pixel_area.sqrt();
+        match self.opening {
+            Opening::Lens(_) => Cone { width: 0.0, spread: side / self.depth },
+            Opening::Parallel => Cone { width: side, spread: 0.0 },
+        }
     }
 
     /// Where the pinhole or the middle of the lens is.

@@ -81,6 +81,16 @@ impl Mesh {
         Surface { position, normal, shading_normal, uv, error }
     }
 
+    /// The colour of the vertices of triangle `index` at these barycentric coordinates, linear RGB; none in a mesh
+    /// without colours.
+    pub fn color(&self, index: usize, barycentric: Vec2) -> Option<[f32; 3]> {
+        if self.data.colors.is_empty() {
+            return None;
+        }
+        let [a, b, c] = self.data.triangles[index].map(|corner| Vec3::from_array(self.data.colors[corner as usize]));
+        Some((a * (1.0 - barycentric.x - barycentric.y) + b * barycentric.x + c * barycentric.y).to_array())
+    }
+
     /// How the position changes with either texture coordinate on triangle `index`. Where the mesh has none they are the
     /// barycentric coordinates; where they do not span the triangle, any two vectors in its plane.
     pub fn partials(&self, index: usize) -> (Vec3, Vec3) {

@@ -26,7 +26,7 @@ pub use mesh::Mesh;
 pub use mesh_data::MeshData;
 pub use plane::Plane;
 pub use quad::Quad;
-pub use ray::{Ray, Surface};
+pub use ray::{Cone, Ray, Surface};
 pub use shape::Shape;
 pub use sphere::Sphere;
 pub use surfaces::{GroupId, Hit, Surfaces, SurfacesBuilder};

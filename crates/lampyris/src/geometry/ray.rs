@@ -19,6 +19,38 @@ impl Ray {
     }
 }
 
+/// What a ray stands for: a cone around it, of which one picture's pixel, or one path among many, sees the whole
+/// [Akenine-Möller et al. 2021].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Its width where the ray starts, in scene units.
+    pub width: f32,
+    /// By how much it becomes wider for each scene unit: an angle in radians, where it is small.
+    pub spread: f32,
+}
+
+impl Cone {
+    /// Of a path that went anywhere: one of many in all directions. About 7 degrees wide, which is little beside the
+    /// hemisphere that it was chosen from, and much beside a pixel.
+    pub const WIDE: Cone = Cone { width: 0.0, spread: 0.125 };
+    /// Of a ray that stands for itself.
+    pub const THIN: Cone = Cone { width: 0.0, spread: 0.0 };
+
+    /// The same cone from `distance` further on.
+    #[inline]
+    #[must_use]
+    pub fn after(self, distance: f32) -> Cone {
+        Cone { width: self.width + self.spread * distance, ..self }
+    }
+
+    /// The cone after a choice among many directions: at least as wide as [`Cone::WIDE`].
+    #[inline]
+    #[must_use]
+    pub fn scattered(self) -> Cone {
+        Cone { spread: self.spread.max(Cone::WIDE.spread), ..self }
+    }
+}
+
 /// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {

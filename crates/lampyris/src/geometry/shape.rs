@@ -72,6 +72,11 @@ impl Shape {
         }
     }
 
+    /// The colour of the vertices around a point of a mesh, linear RGB; none without such colours.
+    pub(super) fn vertex_color(&self, triangle: u32, barycentric: Vec2) -> Option<[f32; 3]> {
+        if let Shape::Mesh(mesh) = self { mesh.color(triangle as usize, barycentric) } else { None }
+    }
+
     /// Surface area in scene units squared; infinite for a plane.
     pub fn area(&self) -> f32 {
         match self {

@@ -194,6 +194,11 @@ impl Surfaces {
         })
     }
 
+    /// The colour that the vertices around a hit give it, linear RGB; none without such colours.
+    pub fn vertex_color(&self, hit: &Hit) -> Option<[f32; 3]> {
+        self.shapes[hit.shape as usize].shape.vertex_color(hit.triangle, hit.barycentric)
+    }
+
     /// A point uniform by area on a shape; none on an infinite plane.
     pub fn sample(&self, shape: u32, u: Vec2) -> Option<Surface> {
         let placed = &self.shapes[shape as usize];

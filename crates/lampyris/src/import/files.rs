@@ -2,33 +2,33 @@
 
 use std::collections::HashMap;
 use std::fs::{self, File};
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use super::{gzip, obj, ply, serialized, stl};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
-use crate::image::Image;
 use crate::observer::{Observer, Silent, Work};
 use crate::output::decode_texture;
 use crate::scene::Assets;
+use crate::texture::Raster;
 
-/// Meshes and pictures from the file system. A mesh is read once, however often it is asked for.
+/// Meshes and pictures from the file system. What is still in use somewhere is not read again.
 pub struct Files<'o> {
     folder: PathBuf,
     observer: &'o dyn Observer,
     embedded: HashMap<String, Arc<[u8]>>,
-    meshes: Mutex<HashMap<(String, u32), Arc<MeshOnce>>>,
+    meshes: Shared<(String, u32), MeshData>,
+    pictures: Shared<(String, bool), Raster>,
 }
-
-/// A mesh or why there is none, once someone has asked for it.
-type MeshOnce = OnceLock<Result<Arc<MeshData>>>;
 
 impl<'o> Files<'o> {
     /// Names are relative to the folder of `scene_file`.
     pub fn beside(scene_file: &Path) -> Files<'o> {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes: Mutex::default() }
+        let (meshes, pictures) = (Shared::default(), Shared::default());
+        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes, pictures }
     }
 
     /// The same, telling `observer` how many bytes were read, file by file.
@@ -43,6 +43,24 @@ impl<'o> Files<'o> {
         Files { embedded, ..self }
     }
 
+    fn read_mesh(&self, file: &str, index: u32) -> Result<MeshData> {
+        let path = self.folder.join(file);
+        let mesh = read_mesh(&path, index);
+        self.tell(&path);
+        mesh
+    }
+
+    fn read_picture(&self, file: &str, raw: bool) -> Result<Raster> {
+        if let Some(bytes) = self.embedded.get(file) {
+            return decode_texture(file, bytes, raw);
+        }
+        let path = self.folder.join(file);
+        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
+        let picture = decode_texture(&path.to_string_lossy(), &bytes, raw);
+        self.tell(&path);
+        picture
+    }
+
     fn tell(&self, path: &Path) {
         let bytes = fs::metadata(path).map_or(0, |file| file.len());
         self.observer.work(&Work { bytes, ..Work::default() });
@@ -51,28 +69,37 @@ impl<'o> Files<'o> {
 
 impl Assets for Files<'_> {
     fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>> {
-        // The lock is held only to find the cell, so that different meshes are read at the same time.
-        let mut meshes = self.meshes.lock().unwrap_or_else(PoisonError::into_inner);
-        let cell = Arc::clone(meshes.entry((file.to_string(), index)).or_default());
-        drop(meshes);
-        let read = || {
-            let path = self.folder.join(file);
-            let mesh = read_mesh(&path, index).map(Arc::new);
-            self.tell(&path);
-            mesh
-        };
-        cell.get_or_init(read).clone()
+        self.meshes.get((file.to_string(), index), || self.read_mesh(file, index))
     }
 
-    fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>> {
-        if let Some(bytes) = self.embedded.get(file) {
-            return decode_texture(file, bytes, raw).map(Arc::new);
+    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Raster>> {
+        self.pictures.get((file.to_string(), raw), || self.read_picture(file, raw))
+    }
+}
+
+/// Things that are made once as long as someone holds them, and that are not kept any longer: a mesh that was moved to
+/// its place in the world needs no original beside it.
+struct Shared<K, T>(Mutex<HashMap<K, Arc<Mutex<Weak<T>>>>>);
+
+impl<K, T> Default for Shared<K, T> {
+    fn default() -> Self {
+        Shared(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash, T> Shared<K, T> {
+    fn get(&self, key: K, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
+        // The lock on all is held only to find the cell, so that different things are made at the same time.
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let cell = Arc::clone(all.entry(key).or_default());
+        drop(all);
+        let mut held = cell.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(thing) = held.upgrade() {
+            return Ok(thing);
         }
-        let path = self.folder.join(file);
-        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
-        let image = decode_texture(&path.to_string_lossy(), &bytes, raw).map(Arc::new);
-        self.tell(&path);
-        image
+        let thing = Arc::new(make()?);
+        *held = Arc::downgrade(&thing);
+        Ok(thing)
     }
 }
 

@@ -12,11 +12,12 @@ use header::{Element, Encoding, Header, Property, Type};
 use super::mesh;
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
+use crate::spectrum::srgb_to_linear;
 
 /// Reads the PLY file `name` (used in messages alone), whose content is `bytes`.
 ///
-/// Of the element `vertex` the properties `x y z`, `nx ny nz` and `u v` (or `s t`, `texture_u texture_v`) are read,
-/// of the element `face` the list `vertex_indices` or `vertex_index`; everything else is passed over. Polygons are cut
+/// Of the element `vertex` the properties `x y z`, `nx ny nz`, `u v` (or `s t`, `texture_u texture_v`) and
+/// `red green blue` (or `r g b`) are read, of the element `face` the list `vertex_indices` or `vertex_index`; everything else is passed over. Polygons are cut
 /// into triangles, and triangles that name a vertex twice are left out. All vertices are kept.
 ///
 /// # Errors
@@ -160,8 +161,29 @@ impl<'a> Body<'a> {
 }
 
 /// The names of the vertex properties that we read, by where their value goes.
-const WANTED: [&[&str]; 8] =
-    [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+const WANTED: [&[&str]; 11] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u"],
+    &["v", "t", "texture_v"],
+    &["red", "r"],
+    &["green", "g"],
+    &["blue", "b"],
+];
+
+/// A channel of a colour in linear light: whole numbers are display values, as all programs write them; floats are
+/// linear, as in Mitsuba.
+fn color_channel(value: f64, kind: Type) -> f32 {
+    match kind {
+        Type::U8 => srgb_to_linear((value / 255.0) as f32),
+        Type::U16 => srgb_to_linear((value / 65535.0) as f32),
+        _ => value as f32,
+    }
+}
 
 fn read_vertices(body: &mut Body, element: &Element, mesh: &mut MeshData) -> Result<()> {
     let slot = |property: &Property| match property.length {
@@ -173,22 +195,26 @@ fn read_vertices(body: &mut Body, element: &Element, mesh: &mut MeshData) -> Res
     if !has(0..3) {
         return Err(mesh::unreadable(body.name, "its vertices lack one of the properties 'x', 'y' and 'z'"));
     }
-    let (with_normals, with_uvs) = (has(3..6), has(6..8));
+    let (with_normals, with_uvs, with_colors) = (has(3..6), has(6..8), has(8..11));
     for _ in 0..element.count {
-        let mut values = [0.0f32; 8];
+        let mut values = [0.0f32; 11];
         for (property, slot) in element.properties.iter().zip(&slots) {
             match *slot {
+                Some(slot @ 8..) => values[slot] = color_channel(body.number(property.value)?, property.value),
                 Some(slot) => values[slot] = body.number(property.value)? as f32,
                 None => body.pass(property)?,
             }
         }
-        let [x, y, z, nx, ny, nz, u, v] = values;
+        let [x, y, z, nx, ny, nz, u, v, r, g, b] = values;
         mesh.positions.push([x, y, z]);
         if with_normals {
             mesh.normals.push([nx, ny, nz]);
         }
         if with_uvs {
             mesh.uvs.push([u, v]);
+        }
+        if with_colors {
+            mesh.colors.push([r, g, b]);
         }
     }
     Ok(())

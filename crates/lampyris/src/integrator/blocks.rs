@@ -33,13 +33,15 @@ pub(super) fn camera_pass<W, S: Sink>(
             let mut pixels = Vec::with_capacity(width);
             let mut features = Vec::with_capacity(if S::LAYERED { width } else { 0 });
             for x in 0..width {
-                let mut sampler = Sampler::new(pass.seed, pass.index, purpose::CAMERA, (y * width + x) as u64);
+                let family = (y * width + x) as u64;
+                let first = u64::from(pass.index) * u64::from(samples);
                 let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
                 let mut sink = S::default();
-                for _ in 0..samples {
+                for number in first..first + u64::from(samples) {
+                    let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
                     let at = center + film.filter.sample(sampler.square());
                     let (ray, response) = scene.view(at, &mut sampler);
-                    let path = PathState::new(ray, Spectrum::grey(response));
+                    let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
                     rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 }
                 pixels.push((sink.radiance() / samples as f32).to_rgb());
@@ -74,7 +76,8 @@ pub(super) fn light_pass<V: Visitor + Send>(
         let light_paths = range.end - range.start;
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
-            let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
+            let number = u64::from(pass.index) * paths + index;
+            let mut sampler = Sampler::even(pass.seed, purpose::LIGHT, 0, number);
             let Some(emission) = scene.emit(&mut sampler) else { continue };
             let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);

@@ -64,7 +64,7 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
         &Rowless(observer),
         || (),
         |path, _, (), sink: &mut S| {
-            let light = match scene.closest(&path.ray) {
+            let light = match scene.closest_in_cone(&path.ray, path.cone) {
                 Some(point) => {
                     sink.surface(&point, &path);
                     scene.emitted(&point)

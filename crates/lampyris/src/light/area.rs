@@ -2,47 +2,86 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{Emission, Emit, Illumination};
-use crate::geometry::{Surface, Surfaces};
+use crate::geometry::{Shape, Surface, Surfaces};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
+use crate::texture::{Lookup, Texture};
 
-/// A shape with the same radiance everywhere and in all directions on the side of its normal.
-#[derive(Clone, Copy, Debug)]
+/// A shape with the same radiance in all directions on the side of its normal, or on both. The radiance can vary over
+/// the shape by its texture coordinates.
+#[derive(Clone, Debug)]
 pub struct Area {
     /// The number of the shape.
     pub shape: u32,
     /// Radiance in W/(m² sr).
-    pub radiance: Spectrum,
+    pub radiance: Texture,
+    /// Whether the back shines, too.
+    pub two_sided: bool,
+    power: Spectrum,
 }
 
 impl Area {
-    /// Radiance that leaves `surface` in this direction.
+    /// The shape of this number and geometry as a light.
+    pub fn new(shape: u32, geometry: &Shape, radiance: Texture, two_sided: bool) -> Area {
+        let mean = mean(&radiance, geometry);
+        let mut area = Area { shape, radiance, two_sided, power: Spectrum::ZERO };
+        area.power = mean * area.per_radiance(geometry.area());
+        area
+    }
+
+    /// Radiance that leaves `surface` in this direction, seen across a footprint of this width in texture coordinates.
     #[inline]
-    pub fn radiance(&self, surface: &Surface, direction: Vec3) -> Spectrum {
-        if direction.dot(surface.normal) > 0.0 { self.radiance } else { Spectrum::ZERO }
+    pub fn radiance(&self, surface: &Surface, direction: Vec3, footprint: f32) -> Spectrum {
+        if !self.two_sided && direction.dot(surface.normal) <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        self.radiance.at(&Lookup { footprint, ..Lookup::point(surface.uv) })
     }
 
     /// Density of [`Emit::illuminate`] per solid angle at `at`, of a point on the light.
     pub fn pdf(&self, surfaces: &Surfaces, at: Vec3, surface: &Surface) -> f32 {
         surfaces.pdf_from(self.shape, at, surface).unwrap_or(0.0)
     }
+
+    /// Flux in W, of both sides together.
+    pub fn power(&self) -> Spectrum {
+        self.power
+    }
+
+    /// Flux of a surface of this area and radiance 1, in W.
+    fn per_radiance(&self, area: f32) -> f32 {
+        let one_sided = PI * area;
+        if self.two_sided { 2.0 * one_sided } else { one_sided }
+    }
+
+    /// The side that a photon leaves by, and the rest of the random numbers.
+    fn side(&self, u: Vec2) -> (f32, Vec2) {
+        match self.two_sided {
+            false => (1.0, u),
+            true if u.x < 0.5 => (1.0, Vec2::new(2.0 * u.x, u.y)),
+            true => (-1.0, Vec2::new(2.0 * u.x - 1.0, u.y)),
+        }
+    }
 }
 
 impl Emit for Area {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let surface = surfaces.sample(self.shape, sampler.square())?;
-        let direction = Frame::around(surface.normal).to_world(warp::cosine_hemisphere(sampler.square()));
-        Some(Emission { ray: surface.spawn(direction), flux: self.power(surfaces), hidden: false })
+        let (side, u) = self.side(sampler.square());
+        let direction = Frame::around(surface.normal * side).to_world(warp::cosine_hemisphere(u));
+        let radiance = self.radiance.at(&Lookup::point(surface.uv));
+        let flux = radiance * self.per_radiance(surfaces.area(self.shape));
+        (!flux.is_zero()).then(|| Emission { ray: surface.spawn(direction), flux, hidden: false })
     }
 
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
         let (surface, pdf) = surfaces.sample_from(self.shape, at, sampler.square())?;
         let to_light = (surface.position - at).normalize_or_zero();
-        let radiance = self.radiance(&surface, -to_light);
+        let radiance = self.radiance(&surface, -to_light, 0.0);
         if radiance.is_zero() {
             return None;
         }
@@ -50,7 +89,54 @@ impl Emit for Area {
         Some(Illumination { to_light, target, irradiance: radiance / pdf, pdf: Some(pdf) })
     }
 
-    fn power(&self, surfaces: &Surfaces) -> Spectrum {
-        self.radiance * (PI * surfaces.area(self.shape))
+    fn power(&self, _: &Surfaces) -> Spectrum {
+        self.power
+    }
+}
+
+/// The mean of a texture over a shape by area: over an even grid, which has a point for every texel of a picture. It
+/// decides how often a light is chosen, so that light is exact even where it is not.
+fn mean(texture: &Texture, geometry: &Shape) -> Spectrum {
+    const FEWEST: usize = 64;
+    const MOST: usize = 2048;
+    if let Texture::Constant(radiance) = texture {
+        return *radiance;
+    }
+    let [columns, rows] = texture.texels().map(|side| side.clamp(FEWEST, MOST));
+    let row = |y: usize| {
+        let at = |x: usize| Vec2::new((x as f32 + 0.5) / columns as f32, (y as f32 + 0.5) / rows as f32);
+        let surfaces = (0..columns).filter_map(|x| geometry.sample(at(x)));
+        surfaces.fold(Spectrum::ZERO, |sum, surface| sum + texture.at(&Lookup::point(surface.uv))) / columns as f32
+    };
+    (0..rows).fold(Spectrum::ZERO, |sum, y| sum + row(y)) / rows as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Affine2;
+
+    use super::*;
+    use crate::geometry::Quad;
+    use crate::texture::{Bitmap, Channel, Curve, Pyramid, Raster, Texels, TextureFilter, Wrap};
+
+    #[test]
+    fn the_power_of_a_picture_is_its_mean_times_pi_times_area_on_each_side() {
+        // Three texels of 0, 1 and 5, as wide as the lamp together.
+        let picture = Raster::new(3, 1, 1, Texels::Floats(vec![0.0, 1.0, 5.0]), Curve::Linear).expect("texels");
+        let bitmap = Bitmap {
+            pyramid: Arc::new(Pyramid::new(Arc::new(picture), false, f32::MAX)),
+            channel: Channel::Color,
+            filter: TextureFilter::Nearest,
+            wrap: [Wrap::Repeat; 2],
+            to_uv: Affine2::IDENTITY,
+        };
+        let quad = Shape::Quad(Quad::new(Vec3::ZERO, 3.0 * Vec3::X, Vec3::Y));
+        for (two_sided, sides) in [(false, 1.0), (true, 2.0)] {
+            let area = Area::new(0, &quad, Texture::Bitmap(bitmap.clone()), two_sided);
+            let expected = sides * 2.0 * PI * 3.0;
+            assert!((area.power.mean() / expected - 1.0).abs() < 0.02, "{}", area.power.mean());
+        }
     }
 }

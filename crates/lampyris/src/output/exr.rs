@@ -60,19 +60,24 @@ fn attributes(facts: &[(&str, Fact)]) -> LayerAttributes {
 
 /// Reads the first colour in the file: channels R, G and B, or Y alone, by those names first and then under any
 /// layer's name (`beauty.R`). The picture is the data window; the display window is not filled up.
-pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
-    decode_layer(bytes, None)
+/// With it comes the opacity: channel A of the same layer, where there is one.
+pub(super) fn decode(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>)> {
+    decode_both(bytes, None)
 }
 
-/// The same of the layer that is `asked` for by name: channels R, G, B or X, Y, Z, or one channel alone.
-pub(super) fn decode_layer(bytes: &[u8], asked: Option<&str>) -> Result<Image> {
+/// The layer that is `asked` for by name: channels R, G, B or X, Y, Z, or one channel alone.
+pub(super) fn decode_layer(bytes: &[u8], asked: &str) -> Result<Image> {
+    Ok(decode_both(bytes, Some(asked))?.0)
+}
+
+fn decode_both(bytes: &[u8], asked: Option<&str>) -> Result<(Image, Option<Vec<f32>>)> {
     // In builds with debug assertions the crate asserts what only a damaged file breaks; without them it returns
     // errors. Either way nothing outlives the failed attempt.
     let decoded = std::panic::catch_unwind(|| decode_trusting(bytes, asked));
     decoded.unwrap_or_else(|_| Err(Error::new("the EXR file is damaged")))
 }
 
-fn decode_trusting(bytes: &[u8], asked: Option<&str>) -> Result<Image> {
+fn decode_trusting(bytes: &[u8], asked: Option<&str>) -> Result<(Image, Option<Vec<f32>>)> {
     check_header(bytes)?;
     let file = read()
         .no_deep_data()
@@ -97,7 +102,7 @@ fn decode_trusting(bytes: &[u8], asked: Option<&str>) -> Result<Image> {
         };
         return Err(Error::new(message).with_hint(format!("its channels are {}", names.join(" "))));
     };
-    Ok(picture(layer, channels))
+    Ok((picture(layer, channels), opacity(layer, channels)))
 }
 
 fn fail(error: ::exr::error::Error) -> Error {
@@ -171,6 +176,15 @@ fn picture(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Ima
     image
 }
 
+/// The channel A of the layer to which these channels belong.
+fn opacity(layer: &Layer<AnyChannels<FlatSamples>>, channels: [usize; 3]) -> Option<Vec<f32>> {
+    let list = &layer.channel_data.list;
+    let color = list[channels[0]].name.to_string();
+    let name = format!("{}A", &color[..color.rfind('.').map_or(0, |dot| dot + 1)]);
+    let channel = list.iter().find(|channel| channel.name.to_string() == name)?;
+    Some(channel.sample_data.values_as_f32().collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,19 +208,20 @@ mod tests {
     fn alpha_is_dropped_and_half_is_read() {
         let half = FlatSamples::F16([0.5, 2.0].map(::exr::prelude::f16::from_f32).to_vec());
         let bytes = file(&[("R", single(1.0, 2.0)), ("G", half), ("B", single(5.0, 6.0)), ("A", single(0.0, 0.0))]);
-        assert_eq!(decode(&bytes).expect("valid").pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").0.pixels(), [[1.0, 0.5, 5.0], [2.0, 2.0, 6.0]]);
+        assert_eq!(decode(&bytes).expect("valid").1, Some(vec![0.0, 0.0]));
     }
 
     #[test]
     fn luminance_alone_is_grey() {
-        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").pixels(), [[1.0; 3], [2.0; 3]]);
+        assert_eq!(decode(&file(&[("Y", single(1.0, 2.0))])).expect("valid").0.pixels(), [[1.0; 3], [2.0; 3]]);
     }
 
     #[test]
     fn the_colour_of_a_named_layer_is_found() {
         let channels =
             [("depth.Z", 9.0), ("beauty.R", 1.0), ("beauty.G", 2.0), ("beauty.B", 3.0)].map(|(n, v)| (n, single(v, v)));
-        assert_eq!(decode(&file(&channels)).expect("valid").pixel(0, 0), [1.0, 2.0, 3.0]);
+        assert_eq!(decode(&file(&channels)).expect("valid").0.pixel(0, 0), [1.0, 2.0, 3.0]);
     }
 
     #[test]
@@ -214,9 +229,9 @@ mod tests {
         let channels =
             [("R", 7.0), ("depth.Z", 9.0), ("n.X", 1.0), ("n.Y", 2.0), ("n.Z", 3.0)].map(|(n, v)| (n, single(v, v)));
         let bytes = file(&channels);
-        assert_eq!(decode_layer(&bytes, Some("n")).expect("there").pixel(0, 0), [1.0, 2.0, 3.0]);
-        assert_eq!(decode_layer(&bytes, Some("depth")).expect("there").pixel(1, 0), [9.0; 3]);
-        let error = decode_layer(&bytes, Some("albedo")).expect_err("not there").to_string();
+        assert_eq!(decode_layer(&bytes, "n").expect("there").pixel(0, 0), [1.0, 2.0, 3.0]);
+        assert_eq!(decode_layer(&bytes, "depth").expect("there").pixel(1, 0), [9.0; 3]);
+        let error = decode_layer(&bytes, "albedo").expect_err("not there").to_string();
         assert!(error.contains("no layer 'albedo'") && error.contains("depth.Z"), "{error}");
     }
 
@@ -229,9 +244,9 @@ mod tests {
             [("scene", Fact::Text("küche.xml".into())), ("passes", Fact::Whole(16)), ("seconds", Fact::Number(0.25))];
         let layers = [(crate::film::Layer::Normal, image.clone()), (crate::film::Layer::Depth, depth.clone())];
         let bytes = encode(&Picture { image: &image, layers: &layers, facts: &facts }).expect("encodes");
-        assert_eq!(decode(&bytes).expect("a picture"), image);
-        assert_eq!(decode_layer(&bytes, Some("normal")).expect("a layer"), image);
-        assert_eq!(decode_layer(&bytes, Some("depth")).expect("a layer"), depth);
+        assert_eq!(decode(&bytes).expect("a picture").0, image);
+        assert_eq!(decode_layer(&bytes, "normal").expect("a layer"), image);
+        assert_eq!(decode_layer(&bytes, "depth").expect("a layer"), depth);
         let header = &MetaData::read_from_buffered(Cursor::new(&bytes), true).expect("valid").headers[0];
         let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
         assert_eq!(names, ["B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);

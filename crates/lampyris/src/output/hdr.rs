@@ -6,7 +6,7 @@ use ::image::codecs::hdr::{HdrDecoder, HdrEncoder};
 use ::image::{ImageDecoder, Rgb};
 
 use super::limits::check_compressed_size;
-use super::png::pixels;
+use super::png::picture;
 use crate::error::{Error, Result};
 use crate::image::Image;
 
@@ -47,7 +47,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
     // Every row takes four bytes or more.
     let rows_fit = u64::from(height) <= bytes.len() as u64 / 4;
     check_compressed_size(width.into(), height.into(), bytes.len(), if rows_fit { PIXELS_PER_BYTE } else { 0 })?;
-    pixels(decoder).map_err(fail)
+    Ok(picture(decoder).map_err(fail)?.to_image())
 }
 
 #[cfg(test)]

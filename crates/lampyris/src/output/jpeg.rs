@@ -6,7 +6,7 @@ use ::image::ImageDecoder;
 use ::image::codecs::jpeg::JpegDecoder;
 
 use super::limits::check_compressed_size;
-use super::png::{limits, pixels};
+use super::png::{limits, picture};
 use super::{Decoded, Values};
 use crate::error::{Error, Result};
 
@@ -18,5 +18,5 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded> {
     let (width, height) = decoder.dimensions();
     check_compressed_size(width.into(), height.into(), bytes.len(), PIXELS_PER_BYTE)?;
     decoder.set_limits(limits()).map_err(fail)?;
-    Ok(Decoded { image: pixels(decoder).map_err(fail)?, values: Values::Srgb })
+    Ok(Decoded { picture: picture(decoder).map_err(fail)?, values: Values::Srgb })
 }

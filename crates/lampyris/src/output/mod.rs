@@ -10,7 +10,7 @@
 //! | `.png` | display values: radiance cut off at 1, then the sRGB curve | 8 bits a channel |
 //!
 //! A PNG shows what lies in 0..1; bring a picture there first with a [`ToneMap`](crate::tonemap::ToneMap).
-//! Reading knows all of these by their first bytes, whatever the name, and JPEG too.
+//! Reading knows all of these by their first bytes, whatever the name, and JPEG too; TGA by its ending.
 
 mod atomic;
 mod exr;
@@ -24,6 +24,7 @@ mod png;
 mod ppm;
 #[cfg(test)]
 mod tests;
+mod tga;
 
 use std::io::Read;
 use std::path::Path;
@@ -34,7 +35,7 @@ pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photon
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;
 use crate::image::Image;
-use crate::spectrum::srgb_to_linear;
+use crate::texture::{Curve, Raster};
 
 /// A file format that we write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,7 +182,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
 pub fn read_layer(path: &Path, name: &str) -> Result<Image> {
     let bytes = read_bytes(path)?;
     let layer = match bytes.as_slice() {
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode_layer(&bytes, Some(name)),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode_layer(&bytes, name),
         _ => Err(Error::new(format!("there is no layer '{name}': only EXR files have layers"))),
     };
     layer.map_err(|error| error.with_file(path))
@@ -200,17 +201,17 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 
 /// The picture in these bytes; `name` is for messages.
 ///
-/// The first bytes tell the format: PPM (P3, P6), PFM, Radiance HDR, OpenEXR, NPY, PNG or JPEG. PNG and JPEG are
-/// decoded from sRGB to linear 0..1; the others hold linear values, and a PPM without `#MAX=` holds 0..1. Alpha is
-/// dropped, grey fills all three channels.
+/// The first bytes tell the format: PPM (P3, P6), PFM, Radiance HDR, OpenEXR, NPY, PNG or JPEG; TGA, which has none to
+/// be known by, by the ending of `name`. PNG, JPEG and TGA are decoded from sRGB to linear 0..1; the others hold linear
+/// values, and a PPM without `#MAX=` holds 0..1. Alpha is dropped, grey fills all three channels.
 ///
 /// # Errors
 /// Anything else, anything cut short, and sizes that the bytes cannot hold; with line and column in a P3.
 pub fn decode(name: &str, bytes: &[u8]) -> Result<Image> {
-    let decoded = decode_any(name, bytes)?;
-    Ok(match decoded.values {
-        Values::Srgb => linear(decoded.image),
-        Values::Linear | Values::Unstated => decoded.image,
+    let Decoded { picture, values } = decode_any(name, bytes)?;
+    Ok(match values {
+        Values::Srgb => picture.with_curve(Curve::Srgb).to_image(),
+        Values::Linear | Values::Unstated => picture.to_image(),
     })
 }
 
@@ -218,18 +219,19 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Image> {
 ///
 /// As [`decode`], but files with 8 or 16 bits a channel are kept as they are, in 0..1, if `raw` (a roughness, a
 /// normal map), and decoded from sRGB otherwise, PPM without `#MAX=` too. Formats of floats hold linear values
-/// whether `raw` or not.
-pub fn decode_texture(name: &str, bytes: &[u8], raw: bool) -> Result<Image> {
-    let decoded = decode_any(name, bytes)?;
-    Ok(match decoded.values {
-        Values::Srgb | Values::Unstated if !raw => linear(decoded.image),
-        _ => decoded.image,
-    })
+/// whether `raw` or not. The opacity is kept, and takes no part in the colour.
+pub fn decode_texture(name: &str, bytes: &[u8], raw: bool) -> Result<Raster> {
+    let Decoded { picture, values } = decode_any(name, bytes)?;
+    let picture = match values {
+        Values::Srgb | Values::Unstated if !raw => picture.with_curve(Curve::Srgb),
+        _ => picture,
+    };
+    Ok(picture.compact())
 }
 
-/// A picture as it stands in its file.
+/// A picture as it stands in its file, its curve left aside.
 struct Decoded {
-    image: Image,
+    picture: Raster,
     values: Values,
 }
 
@@ -244,8 +246,11 @@ enum Values {
 }
 
 impl Decoded {
-    fn linear(image: Image) -> Decoded {
-        Decoded { image, values: Values::Linear }
+    fn linear(image: Image) -> Result<Decoded> {
+        match Raster::of_image(image) {
+            Some(picture) => Ok(Decoded { picture, values: Values::Linear }),
+            None => Err(Error::new("the picture has no pixels")),
+        }
     }
 }
 
@@ -253,18 +258,24 @@ fn decode_any(name: &str, bytes: &[u8]) -> Result<Decoded> {
     let decoded = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(bytes),
         [0xff, 0xd8, 0xff, ..] => jpeg::decode(bytes),
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes).map(Decoded::linear),
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode(bytes).map(Decoded::linear),
-        [b'#', b'?', ..] => hdr::decode(bytes).map(Decoded::linear),
+        [0x76, 0x2f, 0x31, 0x01, ..] => decode_exr(bytes),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::decode(bytes).and_then(Decoded::linear),
+        [b'#', b'?', ..] => hdr::decode(bytes).and_then(Decoded::linear),
         [b'P', b'3' | b'6', ..] => ppm::decode(name, bytes),
-        [b'P', b'F' | b'f', ..] => pfm::decode(bytes).map(Decoded::linear),
+        [b'P', b'F' | b'f', ..] => pfm::decode(bytes).and_then(Decoded::linear),
         [] => Err(Error::new("the file is empty, not a picture")),
+        _ if tga::is_likely(name, bytes) => tga::decode(bytes),
         _ => Err(Error::new("not a picture in a format that we read")
-            .with_hint("known are exr hdr jpeg npy pfm png ppm (P3, P6)")),
+            .with_hint("known are exr hdr jpeg npy pfm png ppm (P3, P6) tga")),
     };
     decoded.map_err(|error| error.with_file(name))
 }
 
-fn linear(image: Image) -> Image {
-    image.map(|pixel| pixel.map(srgb_to_linear))
+fn decode_exr(bytes: &[u8]) -> Result<Decoded> {
+    let (image, opacity) = exr::decode(bytes)?;
+    let decoded = Decoded::linear(image)?;
+    Ok(match opacity {
+        Some(opacity) => Decoded { picture: decoded.picture.with_opacity(&opacity), ..decoded },
+        None => decoded,
+    })
 }

@@ -3,13 +3,15 @@
 use std::io::Cursor;
 
 use ::image::codecs::png::{PngDecoder, PngEncoder};
-use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageResult, Limits};
+use ::image::error::{ParameterError, ParameterErrorKind};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, ImageResult, Limits};
 
 use super::limits::check_size;
 use super::{Decoded, Values};
 use crate::error::{Error, Result};
 use crate::image::{Image, displayable};
 use crate::spectrum::linear_to_srgb;
+use crate::texture::{Curve, Raster, Texels};
 
 /// Values are cut off at 0 and 1; what is not a number becomes 0.
 pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
@@ -36,7 +38,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded> {
     let (width, height) = decoder.dimensions();
     let bits_per_pixel = u64::from(decoder.original_color_type().bits_per_pixel().max(1));
     check_size(width.into(), height.into(), bytes.len() as u64 * BITS_PER_BYTE / bits_per_pixel)?;
-    Ok(Decoded { image: pixels(decoder).map_err(fail)?, values: Values::Srgb })
+    Ok(Decoded { picture: picture(decoder).map_err(fail)?, values: Values::Srgb })
 }
 
 /// What a decoder may allocate: the largest picture with four channels of 16 bits, and room to work.
@@ -46,14 +48,27 @@ pub(super) fn limits() -> Limits {
     limits
 }
 
-/// The pixels of a decoder from the `image` crate, integers scaled to 0..1.
-pub(super) fn pixels(decoder: impl ImageDecoder) -> ImageResult<Image> {
-    let decoded = DynamicImage::from_decoder(decoder)?.into_rgb32f();
-    let mut image = Image::new(decoded.width() as usize, decoded.height() as usize);
-    for (pixel, decoded) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {
-        *pixel = decoded.0;
-    }
-    Ok(image)
+/// The picture of a decoder from the `image` crate, its numbers as they are.
+pub(super) fn picture(decoder: impl ImageDecoder) -> ImageResult<Raster> {
+    let decoded = DynamicImage::from_decoder(decoder)?;
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let (channels, texels) = match decoded {
+        DynamicImage::ImageLuma8(pixels) => (1, Texels::Bytes(pixels.into_raw())),
+        DynamicImage::ImageLumaA8(pixels) => (2, Texels::Bytes(pixels.into_raw())),
+        DynamicImage::ImageRgb8(pixels) => (3, Texels::Bytes(pixels.into_raw())),
+        DynamicImage::ImageRgba8(pixels) => (4, Texels::Bytes(pixels.into_raw())),
+        DynamicImage::ImageLuma16(pixels) => (1, Texels::Words(pixels.into_raw())),
+        DynamicImage::ImageLumaA16(pixels) => (2, Texels::Words(pixels.into_raw())),
+        DynamicImage::ImageRgb16(pixels) => (3, Texels::Words(pixels.into_raw())),
+        DynamicImage::ImageRgba16(pixels) => (4, Texels::Words(pixels.into_raw())),
+        DynamicImage::ImageRgb32F(pixels) => (3, Texels::Floats(pixels.into_raw())),
+        other => (4, Texels::Floats(other.into_rgba32f().into_raw())),
+    };
+    // The crate's buffers have the size that they say, but not always pixels.
+    Raster::new(width, height, channels, texels, Curve::Linear).ok_or_else(|| {
+        let kind = ParameterErrorKind::DimensionMismatch;
+        ImageError::Parameter(ParameterError::from_kind(kind))
+    })
 }
 
 #[cfg(test)]

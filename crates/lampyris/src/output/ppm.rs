@@ -8,6 +8,7 @@ use super::limits::check_size;
 use super::{Decoded, Values};
 use crate::error::{Error, Place, Result};
 use crate::image::Image;
+use crate::texture::{Curve, Raster, Texels};
 
 /// The most that a sample may be, and what we scale the largest value to.
 const MOST: u32 = 65535;
@@ -41,12 +42,19 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Decoded> {
         b'6' => bytes_of_samples(&text, width, height, maxval)?,
         _ => words_of_samples(&mut text, width, height, maxval)?,
     };
-    let scale = f64::from(text.max.unwrap_or(1.0)) / f64::from(maxval);
-    let mut image = Image::new(width, height);
-    for (pixel, samples) in image.pixels_mut().iter_mut().zip(samples.chunks_exact(3)) {
-        *pixel = std::array::from_fn(|channel| (f64::from(samples[channel]) * scale) as f32);
+    let texels = match (text.max, maxval) {
+        (None, 255) => Texels::Bytes(samples.into_iter().map(|sample| sample as u8).collect()),
+        (None, 65535) => Texels::Words(samples),
+        (max, _) => {
+            let scale = f64::from(max.unwrap_or(1.0)) / f64::from(maxval);
+            Texels::Floats(samples.into_iter().map(|sample| (f64::from(sample) * scale) as f32).collect())
+        }
+    };
+    let values = if text.max.is_some() { Values::Linear } else { Values::Unstated };
+    match Raster::new(width, height, 3, texels, Curve::Linear) {
+        Some(picture) => Ok(Decoded { picture, values }),
+        None => Err(Error::new("the picture has no pixels")),
     }
-    Ok(Decoded { image, values: if text.max.is_some() { Values::Linear } else { Values::Unstated } })
 }
 
 fn words_of_samples(text: &mut Text, width: u32, height: u32, maxval: u32) -> Result<(usize, usize, Vec<u16>)> {
@@ -152,7 +160,7 @@ mod tests {
     use super::*;
 
     fn pixels(file: &[u8]) -> Vec<[f32; 3]> {
-        decode("a.ppm", file).expect("valid").image.pixels().to_vec()
+        decode("a.ppm", file).expect("valid").picture.to_image().pixels().to_vec()
     }
 
     #[test]

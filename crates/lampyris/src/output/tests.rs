@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::shared_tests::shared;
+use crate::spectrum::srgb_to_linear;
 
 /// A picture with small, large, zero and negative values, none of them alike.
 fn sample() -> Image {
@@ -26,13 +27,22 @@ fn jpeg() -> Vec<u8> {
     bytes
 }
 
-/// A valid file of every format that is read.
+fn tga() -> Vec<u8> {
+    let codes: Vec<u8> = (0..21 * 13 * 4).map(|i| (i / 16) as u8).collect();
+    let mut bytes = Vec::new();
+    ::image::codecs::tga::TgaEncoder::new(&mut bytes)
+        .encode(&codes, 21, 13, ::image::ExtendedColorType::Rgba8)
+        .expect("encodes");
+    bytes
+}
+
+/// A valid file of every format that is read; the name of a TGA must say so.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let mut files: Vec<_> =
         Format::ALL.map(|f| (f.extension(), encode(f, &sample()).expect("encodes"))).into_iter().collect();
     let mut p6 = b"P6 21 13 255\n".to_vec();
     p6.extend((0..21 * 13 * 3).map(|i| i as u8));
-    files.extend([("P6", p6), ("jpeg", jpeg())]);
+    files.extend([("P6", p6), ("jpeg", jpeg()), ("tga", tga())]);
     files
 }
 
@@ -84,17 +94,18 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_are_refused_without_panic(
-        which in 0usize..8,
+        which in 0..files().len(),
         bytes in proptest::collection::vec(any::<u8>(), 0..300),
     ) {
         let (_, valid) = &files()[which];
-        let _ = decode("x", &bytes);
-        let _ = decode("x", &[&valid[..valid.len().min(8)], &bytes[..]].concat());
+        let _ = decode_texture("x", &bytes, false);
+        let _ = decode_texture("x.tga", &bytes, false);
+        let _ = decode_texture("x.tga", &[&valid[..valid.len().min(8)], &bytes[..]].concat(), true);
     }
 
     #[test]
     fn damaged_files_do_not_panic(
-        which in 0usize..8,
+        which in 0..files().len(),
         damage in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..6),
         header_only in any::<bool>(),
     ) {
@@ -103,7 +114,7 @@ proptest! {
         for (at, value) in damage {
             bytes[at.index(length)] = value;
         }
-        let _ = decode("x", &bytes);
+        let _ = decode_texture("x.tga", &bytes, false);
     }
 }
 
@@ -119,7 +130,7 @@ fn a_file_cut_short_anywhere_is_an_error() {
             _ => 1,
         };
         for length in (0..=bytes.len() - tail).step_by(7).chain([bytes.len() - tail]) {
-            assert!(decode("x", &bytes[..length]).is_err(), "{name} cut to {length} of {}", bytes.len());
+            assert!(decode("x.tga", &bytes[..length]).is_err(), "{name} cut to {length} of {}", bytes.len());
         }
     }
 }
@@ -153,7 +164,7 @@ fn textures_are_decoded_from_srgb_unless_raw() {
     };
     let half = 128.0 / 255.0;
     for bytes in [p6, png] {
-        let pixel = |raw| decode_texture("x", &bytes, raw).expect("decodes").pixel(0, 0);
+        let pixel = |raw| decode_texture("x", &bytes, raw).expect("decodes").color(0, 0);
         assert_eq!(pixel(true), [0.0, half, 1.0]);
         assert_eq!(pixel(false), [0.0, srgb_to_linear(half), 1.0]);
     }
@@ -175,7 +186,8 @@ fn greys_transparency_and_16_bits_in_png_are_read() {
     let mut bytes = std::io::Cursor::new(Vec::new());
     DynamicImage::ImageLumaA16(pixels).write_to(&mut bytes, ImageFormat::Png).expect("encodes");
     let image = decode_texture("x", bytes.get_ref(), true).expect("decodes");
-    assert_eq!(image.pixel(0, 0), [32768.0 / 65535.0; 3]);
+    assert_eq!(image.color(0, 0), [32768.0 / 65535.0; 3]);
+    assert_eq!((image.opacity(0, 0), image.bytes()), (0x1234 as f32 / 65535.0, 4));
 }
 
 #[test]

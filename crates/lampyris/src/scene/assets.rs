@@ -4,17 +4,20 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
-use crate::image::Image;
+use crate::texture::Raster;
 
 /// Meshes and pictures by the names that a description gives them. The library itself opens no file:
 /// [`import::Files`](crate::import::Files) does for programs that have a file system.
+///
+/// [`build`](super::build) asks from many threads, first ahead for all that a scene needs, then again for each thing as
+/// its turn comes: what someone still holds should be given to all who ask, without being read again.
 pub trait Assets: Sync {
     /// Mesh number `index` of `file`.
     fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>>;
 
-    /// The picture in `file`. Values of files with 8 or 16 bits a channel lie in 0..1 and are linear, decoded
-    /// from sRGB unless `raw`.
-    fn image(&self, file: &str, raw: bool) -> Result<Arc<Image>>;
+    /// The picture in `file`. Files with 8 or 16 bits a channel hold 0..1, decoded from sRGB unless `raw`; others hold
+    /// linear values of any size.
+    fn picture(&self, file: &str, raw: bool) -> Result<Arc<Raster>>;
 }
 
 /// For scenes that need nothing from outside.
@@ -25,7 +28,7 @@ impl Assets for NoAssets {
         Err(Error::new(format!("cannot read '{file}': this scene has no files")))
     }
 
-    fn image(&self, file: &str, _: bool) -> Result<Arc<Image>> {
+    fn picture(&self, file: &str, _: bool) -> Result<Arc<Raster>> {
         Err(Error::new(format!("cannot read '{file}': this scene has no files")))
     }
 }

@@ -1,11 +1,13 @@
 //! From what a file says to what is rendered: names resolved, numbers checked. Every fault becomes an
 //! [`Error`] with the key of what is wrong, from which the importer finds the line.
 
+mod ahead;
 mod camera;
 mod check;
 mod lights;
 mod materials;
 mod shapes;
+mod textures;
 
 use glam::Vec3;
 
@@ -41,6 +43,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     observer.phase(Phase::Load);
     description.check_settings()?;
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
+    let mut read_ahead = ahead::ReadAhead::new(description, assets);
     let mut materials = materials::Builder::new(description, assets);
     let mut shapes = shapes::Builder::default();
     for (name, group) in &description.groups {
@@ -50,12 +53,13 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     }
     for (index, shape) in description.shapes.iter().enumerate() {
         shapes.add(shape, &mut materials, assets).map_err(|error| error.under(&format!("shapes[{index}]")))?;
+        read_ahead.built(shape);
         observer.work(&Work { shapes: 1, share: 1.0 / description.shapes.len() as f64, ..Work::default() });
     }
     let (surfaces, records, area_lights) = shapes.finish();
     let world = world(&surfaces, camera.origin());
     let mut all: Vec<Light> = area_lights.into_iter().map(Light::Area).collect();
-    let around = lights::Around { world, materials: &materials, assets };
+    let mut around = lights::Around { world, textures: materials.textures(), assets };
     for (index, light) in description.lights.iter().enumerate() {
         around.build(light, &mut all).map_err(|error| error.under(&format!("lights[{index}]")))?;
     }

@@ -16,13 +16,14 @@ pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 
 use crate::camera::{Camera, Seen};
-use crate::geometry::{Bounds, Ray, Surface, Surfaces};
+use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
+use crate::image::displayable;
 use crate::light::{Emission, Far, Illumination, Light, LightId};
 use crate::material::{Bsdf, Lobes, MaterialId, Materials};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
-use crate::texture::Lookup;
+use crate::texture::{Asks, Lookup};
 
 /// A scene ready for light: immutable, everything checked and linked by number.
 #[derive(Debug)]
@@ -43,6 +44,8 @@ pub struct ShapeRecord {
     pub material: MaterialId,
     /// The light that it is.
     pub light: Option<LightId>,
+    /// What the textures of its material and of its light ask for.
+    pub asks: Asks,
     /// Its name, for people.
     pub name: Option<String>,
 }
@@ -74,6 +77,8 @@ pub struct SurfacePoint {
     pub distance: f32,
     /// The number of the shape.
     pub shape: u32,
+    /// Across what the path sees there, in texture coordinates, where a texture of the shape asks for it; else 0.
+    pub footprint: f32,
 }
 
 impl SurfacePoint {
@@ -113,16 +118,48 @@ impl SurfacePoint {
 }
 
 impl Scene {
-    /// The first surface along the ray.
+    /// The first surface along the ray, as it is at that very point.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint> {
+        self.closest_in_cone(ray, Cone::THIN)
+    }
+
+    /// The first surface along the ray, its textures as the whole cone sees them.
+    #[inline]
+    pub fn closest_in_cone(&self, ray: &Ray, cone: Cone) -> Option<SurfacePoint> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
         let frame = Frame::around(surface.shading_normal);
         let front = surface.shading_normal.dot(to_previous) > 0.0;
-        let bsdf = self.materials.bsdf(self.shapes[hit.shape as usize].material, &Lookup::point(surface.uv), front);
-        Some(SurfacePoint { surface, frame, bsdf, to_previous, distance: hit.distance, shape: hit.shape })
+        let record = &self.shapes[hit.shape as usize];
+        let lookup = match record.asks.is_none() {
+            true => Lookup::point(surface.uv),
+            false => self.lookup(record.asks, &hit, &surface, ray, cone),
+        };
+        let bsdf = self.materials.bsdf(record.material, &lookup, front);
+        let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
+        Some(SurfacePoint { surface, frame, bsdf, to_previous, distance, shape, footprint })
+    }
+
+    /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's
+    /// ellipse on the surface [Akenine-Möller et al. 2021], cut where the surface is seen edge-on, in texture coordinates
+    /// by the mean of their density over all directions.
+    fn lookup(&self, asks: Asks, hit: &Hit, surface: &Surface, ray: &Ray, cone: Cone) -> Lookup {
+        const LEAST_COS: f32 = 0.125;
+        let mut lookup = Lookup::point(surface.uv);
+        if asks.footprint {
+            let (along_u, along_v) = self.surfaces.partials(hit, surface);
+            let cos = surface.normal.dot(ray.direction).abs().max(LEAST_COS);
+            let width = cone.after(hit.distance).width;
+            lookup.footprint = width / (along_u.cross(along_v).length().sqrt() * cos);
+        }
+        if asks.vertex_color
+            && let Some(color) = self.surfaces.vertex_color(hit)
+        {
+            lookup.vertex_color = Spectrum::from_rgb(color.map(displayable));
+        }
+        lookup
     }
 
     /// Whether light from `illumination` is kept from `from` by something that stands between.
@@ -144,6 +181,7 @@ impl Scene {
     #[inline]
     pub fn emit(&self, sampler: &mut Sampler) -> Option<Emission> {
         let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
+        sampler.step(1);
         let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
         Some(Emission { flux: emission.flux / probability, ..emission })
     }
@@ -164,7 +202,7 @@ impl Scene {
     #[inline]
     pub fn emitted(&self, point: &SurfacePoint) -> Spectrum {
         match self.area_light(point.shape) {
-            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous),
+            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous, point.footprint),
             _ => Spectrum::ZERO,
         }
     }
@@ -216,6 +254,11 @@ impl Scene {
             }
             None => (self.camera.ray(pixel, on_lens), 1.0),
         }
+    }
+
+    /// What the rays of [`Scene::view`] stand for.
+    pub fn cone(&self) -> Cone {
+        if self.meter.is_some() { Cone::WIDE } else { self.camera.cone() }
     }
 
     /// The camera as light sees it that leaves `at` for a point of the lens; none if it cannot be seen from there, and

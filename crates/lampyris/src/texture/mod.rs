@@ -2,6 +2,10 @@
 
 mod bitmap;
 mod checkerboard;
+mod pyramid;
+mod raster;
+
+use std::ops::BitOr;
 
 use glam::Vec2;
 use schemars::JsonSchema;
@@ -9,6 +13,8 @@ use serde::Deserialize;
 
 pub use bitmap::Bitmap;
 pub use checkerboard::Checkerboard;
+pub use pyramid::Pyramid;
+pub use raster::{Curve, Raster, Texels};
 
 use crate::spectrum::Spectrum;
 
@@ -47,13 +53,66 @@ impl Lookup {
     }
 }
 
+/// What of a [`Lookup`] must be filled in besides the texture coordinates, for a look-up to be right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asks {
+    /// Its footprint.
+    pub footprint: bool,
+    /// Its vertex colour.
+    pub vertex_color: bool,
+}
+
+impl Asks {
+    /// Whether texture coordinates are enough.
+    #[inline]
+    pub fn is_none(self) -> bool {
+        self == Asks::default()
+    }
+}
+
+impl BitOr for Asks {
+    type Output = Asks;
+
+    fn bitor(self, other: Asks) -> Asks {
+        let footprint = self.footprint || other.footprint;
+        Asks { footprint, vertex_color: self.vertex_color || other.vertex_color }
+    }
+}
+
 impl Texture {
+    /// What its look-ups need.
+    pub fn asks(&self) -> Asks {
+        match self {
+            Texture::Constant(_) => Asks::default(),
+            Texture::Bitmap(bitmap) => Asks { footprint: bitmap.filter == TextureFilter::Mip, ..Asks::default() },
+            Texture::Checkerboard(checkerboard) => checkerboard.color0.asks() | checkerboard.color1.asks(),
+            Texture::VertexColor => Asks { vertex_color: true, ..Asks::default() },
+            Texture::Product(factors) => factors[0].asks() | factors[1].asks(),
+            Texture::Mix(mix) => mix[0].asks() | mix[1].asks() | mix[2].asks(),
+        }
+    }
+
+    /// Columns and rows of the largest picture in it; 0 without pictures.
+    pub fn texels(&self) -> [usize; 2] {
+        let larger = |[a, b]: [usize; 2], [c, d]: [usize; 2]| [a.max(c), b.max(d)];
+        match self {
+            Texture::Constant(_) | Texture::VertexColor => [0; 2],
+            Texture::Bitmap(bitmap) => {
+                let picture = bitmap.pyramid.picture(0);
+                [picture.width(), picture.height()]
+            }
+            Texture::Checkerboard(checkerboard) => larger(checkerboard.color0.texels(), checkerboard.color1.texels()),
+            Texture::Product(factors) => factors.iter().map(Texture::texels).fold([0; 2], larger),
+            Texture::Mix(mix) => mix.iter().map(Texture::texels).fold([0; 2], larger),
+        }
+    }
+
     /// The colour there.
     #[inline]
     pub fn at(&self, lookup: &Lookup) -> Spectrum {
         match self {
             Texture::Constant(color) => *color,
-            Texture::Bitmap(bitmap) => bitmap.at(lookup.uv),
+            Texture::Bitmap(bitmap) => bitmap.at(lookup),
             Texture::Checkerboard(checkerboard) => checkerboard.at(lookup),
             Texture::VertexColor => lookup.vertex_color,
             Texture::Product(factors) => factors[0].at(lookup) * factors[1].at(lookup),
@@ -71,7 +130,10 @@ impl Texture {
     /// Width over height of the picture, if it is one.
     pub fn aspect(&self) -> Option<f32> {
         match self {
-            Texture::Bitmap(bitmap) => Some(bitmap.image.width() as f32 / bitmap.image.height() as f32),
+            Texture::Bitmap(bitmap) => {
+                let picture = bitmap.pyramid.picture(0);
+                Some(picture.width() as f32 / picture.height() as f32)
+            }
             _ => None,
         }
     }

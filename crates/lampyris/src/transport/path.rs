@@ -1,6 +1,6 @@
 //! The state of a path as it travels.
 
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::material::Lobes;
 use crate::spectrum::Spectrum;
 
@@ -24,6 +24,8 @@ pub struct PathState {
     pub optical_length: f64,
     /// Index of refraction of where the path is, over that of where it began.
     pub ior: f32,
+    /// What the ray stands for, from its origin.
+    pub cone: Cone,
     /// Scattering events so far.
     pub bounce: u32,
     /// Which events these were.
@@ -33,13 +35,14 @@ pub struct PathState {
 }
 
 impl PathState {
-    /// A path that begins with this ray.
+    /// A path that begins with this ray, as one of many in all directions.
     pub fn new(ray: Ray, throughput: Spectrum) -> PathState {
         PathState {
             ray,
             throughput,
             optical_length: 0.0,
             ior: 1.0,
+            cone: Cone::WIDE,
             bounce: 0,
             history: Lobes::NONE,
             hidden_lamp: false,

@@ -49,6 +49,10 @@ pub struct Walked {
     pub rays: u32,
 }
 
+/// The sampler's steps before it belong to the beginning of a path; each vertex has two: one for what is done there, one
+/// for where the path goes on.
+const FIRST_STEP: u32 = 2;
+
 /// Follows `path` until it ends, telling `visitor` of every vertex.
 pub fn walk<V: Visitor>(
     scene: &Scene,
@@ -62,11 +66,14 @@ pub fn walk<V: Visitor>(
     let mut rays = 0;
     loop {
         rays += 1;
-        let Some(point) = scene.closest(&path.ray) else {
+        let Some(point) = scene.closest_in_cone(&path.ray, path.cone) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
         path.optical_length += f64::from(path.ior * point.distance);
+        let step = FIRST_STEP + 2 * path.bounce;
+        sampler.step(step);
+        path.cone = path.cone.after(point.distance);
         let follow = visitor.vertex(&point, &path, sampler);
         if follow.is_none() {
             return Walked { end: End::Absorbed, path, rays };
@@ -74,6 +81,7 @@ pub fn walk<V: Visitor>(
         if path.bounce >= limits.max_bounces {
             return Walked { end: End::Cut, path, rays };
         }
+        sampler.step(step + 1);
         let to_previous = point.frame.to_local(point.to_previous);
         let Some(mut scattered) = point.bsdf.sample(to_previous, follow, sampler) else {
             return Walked { end: End::Absorbed, path, rays };
@@ -112,6 +120,10 @@ impl PathState {
             }
         }
         self.ior *= scattered.ior_ratio;
+        // Mirrors and glass keep the cone, as if they were flat.
+        if Lobes::SMOOTH.contains(scattered.event) {
+            self.cone = self.cone.scattered();
+        }
         self.ray = point.surface.spawn(scattered.to_next);
         self.bounce += 1;
         self.history = self.history | scattered.event.into();

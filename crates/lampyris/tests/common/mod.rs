@@ -4,6 +4,7 @@
 
 pub mod statistics;
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -16,6 +17,7 @@ use lampyris::photon::PhotonMap;
 use lampyris::render::Render;
 use lampyris::scene::description::{IntegratorDescription, SceneDescription};
 use lampyris::scene::{Assets, NoAssets, Scene, build};
+use lampyris::texture::Raster;
 
 /// A scene with the description that it was built from.
 pub struct Lit {
@@ -33,8 +35,18 @@ pub fn lit(text: &str, settings: &str) -> Lit {
     built(described(text), settings)
 }
 
+/// The same with these pictures, by the names that its textures give them.
+pub fn lit_with(text: &str, settings: &str, pictures: &[(&'static str, Raster)]) -> Lit {
+    let pictures = pictures.iter().map(|(name, picture)| (*name, Arc::new(picture.clone()))).collect();
+    built_with(described(text), settings, &Painted(pictures))
+}
+
 /// The same from a description.
-pub fn built(mut description: SceneDescription, settings: &str) -> Lit {
+pub fn built(description: SceneDescription, settings: &str) -> Lit {
+    built_with(description, settings, &Painted::default())
+}
+
+fn built_with(mut description: SceneDescription, settings: &str, assets: &dyn Assets) -> Lit {
     for setting in settings.split_whitespace() {
         let (key, value) = setting.split_once('=').expect("key=value");
         if key == "integrator" {
@@ -43,19 +55,23 @@ pub fn built(mut description: SceneDescription, settings: &str) -> Lit {
             description.set(key, value).unwrap_or_else(|error| panic!("{error}"));
         }
     }
-    let scene = build(&description, &Painted).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = build(&description, assets).unwrap_or_else(|error| panic!("{error}")).scene;
     Lit { description, scene }
 }
 
-/// For scenes that name a picture: whatever its name, a small one with a bright and a black corner.
-pub struct Painted;
+/// For scenes that name a picture: these, and by any other name a small one with a bright and a black corner.
+#[derive(Default)]
+pub struct Painted(HashMap<&'static str, Arc<Raster>>);
 
 impl Assets for Painted {
     fn mesh(&self, file: &str, index: u32) -> Result<Arc<MeshData>> {
         NoAssets.mesh(file, index)
     }
 
-    fn image(&self, file: &str, _: bool) -> Result<Arc<Image>> {
+    fn picture(&self, file: &str, _: bool) -> Result<Arc<Raster>> {
+        if let Some(picture) = self.0.get(file) {
+            return Ok(Arc::clone(picture));
+        }
         let (width, height) = if file.contains("square") { (8, 8) } else { (12, 7) };
         let pixel = |index: usize| {
             let (x, y) = ((index % width) as f32 / width as f32, (index / width) as f32 / height as f32);
@@ -63,7 +79,7 @@ impl Assets for Painted {
             if x < 0.3 && y < 0.5 { [0.0; 3] } else { [x + bright, 0.5 + bright * y, 1.0 - y + bright] }
         };
         let image = Image::from_pixels(width, height, (0..width * height).map(pixel).collect());
-        Ok(Arc::new(image.expect("as many pixels")))
+        Ok(Arc::new(image.and_then(Raster::of_image).expect("as many pixels")))
     }
 }
 

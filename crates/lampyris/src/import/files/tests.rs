@@ -14,6 +14,22 @@ fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Files<'static>) {
 }
 
 #[test]
+fn nothing_is_kept_that_nobody_uses() {
+    let (_folder, files) = folder(&[("a.obj", TRIANGLE)]);
+    let mesh = Arc::downgrade(&files.mesh("a.obj", 0).expect("it is fine"));
+    assert!(mesh.upgrade().is_none());
+}
+
+#[test]
+fn a_picture_is_shared_by_all_that_decode_it_in_the_same_way() {
+    let (_folder, files) = folder(&[("a.ppm", "P3 1 1 255\n128 128 128\n")]);
+    let picture = |raw| files.picture("a.ppm", raw).expect("it is fine");
+    let [first, second, raw] = [false, false, true].map(picture);
+    assert!(Arc::ptr_eq(&first, &second) && !Arc::ptr_eq(&first, &raw));
+    assert_eq!((first.bytes(), raw.bytes()), (1, 1));
+}
+
+#[test]
 fn a_mesh_is_read_once() {
     let (_folder, files) = folder(&[("a.obj", TRIANGLE)]);
     let first = files.mesh("a.obj", 0).expect("it is fine");

@@ -3,8 +3,6 @@
 mod sky;
 mod thrown;
 
-use std::f64::consts::PI;
-
 use glam::{DMat4, DVec3};
 
 use super::document::Kind;
@@ -76,8 +74,7 @@ impl<'a> Importer<'a> {
         Ok(LightDescription::Directional { direction: single(direction), irradiance, angle: 0.0 })
     }
 
-    /// A picture all around. The middle of Mitsuba's lies in the direction +z, with +x to its left; that of ours in
-    /// the direction -z, with -x to its left.
+    /// A picture all around, its middle in the direction +z, +x to its left, as ours.
     fn environment(&mut self, query: Query<'a>, matrix: DMat4, key: &str) -> Result<LightDescription> {
         let picture = query.part(Kind::Texture).map(|part| self.query(part.object));
         let file = match (query.text("filename")?, picture) {
@@ -98,12 +95,11 @@ impl<'a> Importer<'a> {
             self.warn(query.spot("gamma"), "'gamma' of an envmap is not supported: that of its file is used");
         }
         self.note_all(key, query, &[("file", "filename"), ("scale", name), ("transform", "to_world")]);
-        let turned = matrix * DMat4::from_rotation_y(PI);
         Ok(LightDescription::Environment {
             file: file.to_string(),
             scale: Color::grey(scale as f32),
             mapping: EnvironmentMapping::LatLong,
-            transform: Transform(turned.as_mat4()),
+            transform: Transform(matrix.as_mat4()),
         })
     }
 }

@@ -57,9 +57,8 @@ pub(super) fn next(source: &Source, index: usize, at: usize) -> Result<Option<(T
     }))
 }
 
-/// Blanks, and the byte-order mark byte by byte.
 fn is_blank(byte: u8) -> bool {
-    byte.is_ascii_whitespace() || matches!(byte, 0xef | 0xbb | 0xbf | 0x0b)
+    byte.is_ascii_whitespace() || byte == 0x0b
 }
 
 /// Bytes up to the closing quote; none if the line ends before it.

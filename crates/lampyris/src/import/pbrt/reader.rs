@@ -150,8 +150,9 @@ impl<'a> Reader<'a> {
         // Bytes that are not UTF-8 harm only names and comments.
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let source = self.sources.len();
+        let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         self.sources.push(Rc::new(Source::new(shown, text.into_bytes())?));
-        self.open.push(Open { path: path.to_path_buf(), source, at: 0, imported });
+        self.open.push(Open { path: path.to_path_buf(), source, at, imported });
         Ok(())
     }
 

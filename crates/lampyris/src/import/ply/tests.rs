@@ -134,6 +134,20 @@ fn texture_coordinates_go_by_three_pairs_of_names() {
 }
 
 #[test]
+fn colours_of_bytes_are_display_values_and_those_of_floats_are_linear() {
+    let colors = |kind: &str, [r, g, b]: [&str; 3], values: &str| {
+        let text = format!("{VERTICES}property {kind} {r}\nproperty {kind} {g}\nproperty {kind} {b}\n{FACE}");
+        let rows: String = POSITIONS.lines().map(|position| format!("{position} {values}\n")).collect();
+        read("a.ply", &ascii(&format!("{text}{rows}3 0 1 2"))).expect("it is fine").colors
+    };
+    let long = ["red", "green", "blue"];
+    assert_eq!(colors("uchar", long, "0 128 255"), [[0.0, srgb_to_linear(128.0 / 255.0), 1.0]; 3]);
+    assert_eq!(colors("ushort", long, "0 32768 65535"), [[0.0, srgb_to_linear(32768.0 / 65535.0), 1.0]; 3]);
+    assert_eq!(colors("float", ["r", "g", "b"], "0 0.5 2"), [[0.0, 0.5, 2.0]; 3]);
+    assert!(colors("float", ["red", "green", "alpha"], "0 0.5 2").is_empty());
+}
+
+#[test]
 fn faces_may_come_first_and_be_polygons_and_lines() {
     let faces = "element face 3\nproperty list uint uint vertex_indices\n";
     let text = format!("{faces}{}end_header\n4 0 1 2 3\n2 0 1\n3 3 3 1\n{POSITIONS}1 1 0", VERTICES.replace('3', "4"));

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
 
-use super::{check, materials};
+use super::textures::Quantity;
+use super::{check, textures};
 use crate::error::{Error, Result};
 use crate::light::{
     Beam, Constant, Directional, Environment, Light, Mapping, Point, Projector, Sky, SkyDisk, Spot, World, sky_picture,
@@ -21,15 +22,15 @@ use crate::texture::Texture;
 pub(super) struct Around<'a, 'd> {
     /// What photons from infinitely far away must cover.
     pub(super) world: World,
-    /// For the textures of the scene.
-    pub(super) materials: &'a materials::Builder<'d>,
+    /// The textures of the scene.
+    pub(super) textures: &'a mut textures::Builder<'d>,
     /// For pictures.
     pub(super) assets: &'a dyn Assets,
 }
 
-impl Around<'_, '_> {
+impl<'d> Around<'_, 'd> {
     /// Adds the light, or for a sky the two lights, to `lights`.
-    pub(super) fn build(&self, light: &LightDescription, lights: &mut Vec<Light>) -> Result<()> {
+    pub(super) fn build(&mut self, light: &'d LightDescription, lights: &mut Vec<Light>) -> Result<()> {
         let world = self.world;
         lights.push(match light {
             LightDescription::Point { position, intensity, power } => {
@@ -80,11 +81,8 @@ impl Around<'_, '_> {
 
     fn environment(&self, file: &str, scale: Color, mapping: EnvironmentMapping, turn: &Transform) -> Result<Light> {
         let scale = lit("scale", check::light("scale", scale)?)?;
-        let image = self.assets.image(file, false).map_err(|error| error.under("file"))?;
+        let image = self.assets.picture(file, false).map_err(|error| error.under("file"))?.to_image();
         let fault = |message: String| Err(Error::at_key("file", format!("the picture '{file}' {message}")));
-        if image.pixels().is_empty() {
-            return fault("has no pixel".to_string());
-        }
         if mapping == EnvironmentMapping::EqualArea && image.width() != image.height() {
             return fault(format!("must be a square, not {} × {}", image.width(), image.height()));
         }
@@ -130,10 +128,10 @@ impl Around<'_, '_> {
     }
 
     fn projector(
-        &self,
+        &mut self,
         (position, forward): (Vec3, Vec3),
         up: [f32; 3],
-        texture: Option<&str>,
+        texture: Option<&'d str>,
         aspect: Option<f32>,
         fov: f32,
         scale: Color,
@@ -144,7 +142,7 @@ impl Around<'_, '_> {
                 .with_hint("choose an up that is not parallel to the axis"));
         };
         let texture = match texture {
-            Some(name) => self.materials.texture_named(name, "texture")?,
+            Some(name) => self.textures.named(name, "texture", Quantity::Light)?,
             None => Texture::Constant(Spectrum::ONE),
         };
         let natural = texture.aspect().unwrap_or(1.0);

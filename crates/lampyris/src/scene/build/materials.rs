@@ -1,26 +1,24 @@
-//! Materials and textures, by name and in place.
+//! Materials, by name and in place.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use glam::{Affine2, Mat2, Vec2};
-
-use super::check;
+use super::textures::Quantity;
+use super::{check, textures};
 use crate::error::{Error, Result, did_you_mean};
 use crate::material::{Coefficients, MAX_PARTS, Material, MaterialId, Materials, Plastic};
 use crate::scene::Assets;
-use crate::scene::description::{
-    Color, MaterialDescription, MaterialRef, Paint, SceneDescription, TextureDescription, TextureFilter, Transform,
-};
+use crate::scene::description::{Color, MaterialDescription, MaterialRef, Paint, SceneDescription};
 use crate::spectrum::Spectrum;
-use crate::texture::{Bitmap, Checkerboard, Texture};
+use crate::texture::{Asks, Texture};
 
 /// Resolves materials as shapes ask for them.
 pub(super) struct Builder<'d> {
     description: &'d SceneDescription,
-    assets: &'d dyn Assets,
+    textures: textures::Builder<'d>,
     materials: Materials,
     named: HashMap<&'d str, Named>,
+    /// What the textures of each material ask for, where they ask for anything.
+    asks: HashMap<MaterialId, Asks>,
     default: Option<MaterialId>,
     black: Option<MaterialId>,
 }
@@ -34,8 +32,19 @@ enum Named {
 
 impl<'d> Builder<'d> {
     pub(super) fn new(description: &'d SceneDescription, assets: &'d dyn Assets) -> Builder<'d> {
-        let materials = Materials::default();
-        Builder { description, assets, materials, named: HashMap::new(), default: None, black: None }
+        let (textures, materials) = (textures::Builder::new(description, assets), Materials::default());
+        let (named, asks) = (HashMap::new(), HashMap::new());
+        Builder { description, textures, materials, named, asks, default: None, black: None }
+    }
+
+    /// The textures, for what else has some.
+    pub(super) fn textures(&mut self) -> &mut textures::Builder<'d> {
+        &mut self.textures
+    }
+
+    /// What the textures of a material, and of those that it is made of, ask for.
+    pub(super) fn asks(&self, id: MaterialId) -> Asks {
+        self.asks.get(&id).copied().unwrap_or_default()
     }
 
     pub(super) fn finish(self) -> Materials {
@@ -53,10 +62,16 @@ impl<'d> Builder<'d> {
     }
 
     fn resolve(&mut self, material: &'d MaterialRef, key: &str) -> Result<MaterialId> {
-        match material {
-            MaterialRef::Named(name) => self.by_name(name, key),
-            MaterialRef::Inline(material) => self.add(material).map_err(|error| error.under(key)),
-        }
+        let of_others = self.textures.take_asked();
+        let id = match material {
+            MaterialRef::Named(name) => self.by_name(name, key)?,
+            MaterialRef::Inline(material) => self.add(material).map_err(|error| error.under(key))?,
+        };
+        // Of a material that was built before, the textures have asked before.
+        let asks = self.textures.take_asked() | self.asks(id);
+        self.asks.insert(id, asks);
+        self.textures.ask(of_others | asks);
+        Ok(id)
     }
 
     fn by_name(&mut self, name: &'d str, key: &str) -> Result<MaterialId> {
@@ -142,52 +157,12 @@ impl<'d> Builder<'d> {
         Ok(id)
     }
 
-    fn paint(&self, key: &str, paint: &Paint) -> Result<Texture> {
-        match paint {
-            Paint::Color(color) => Ok(Texture::Constant(check::share(key, *color)?)),
-            Paint::Texture(name) => self.texture_named(name, key),
-        }
-    }
-
-    /// The texture of this name, which `key` asks for.
-    pub(super) fn texture_named(&self, name: &str, key: &str) -> Result<Texture> {
-        match self.description.textures.get(name) {
-            Some(texture) => self.texture(texture).map_err(|error| error.under(&format!("textures.{name}")).at_root()),
-            None => Err(unknown("texture", name, self.description.textures.keys(), key)),
-        }
-    }
-
-    fn texture(&self, texture: &TextureDescription) -> Result<Texture> {
-        match texture {
-            TextureDescription::Bitmap { file, raw, channel: _, filter, wrap, wrap_v: _, to_uv } => {
-                let image = self.assets.image(file, *raw).map_err(|error| error.under("file"))?;
-                if image.pixels().is_empty() {
-                    return Err(Error::at_key("file", format!("the picture '{file}' has no pixel")));
-                }
-                let to_uv = planar(to_uv);
-                let nearest = *filter == TextureFilter::Nearest;
-                Ok(Texture::Bitmap(Bitmap { image: Arc::clone(&image), nearest, wrap: *wrap, to_uv }))
-            }
-            TextureDescription::Checkerboard { color0, color1, to_uv } => {
-                Ok(Texture::Checkerboard(Box::new(Checkerboard {
-                    color0: self.paint("color0", color0)?,
-                    color1: self.paint("color1", color1)?,
-                    to_uv: planar(to_uv),
-                })))
-            }
-            TextureDescription::VertexColor {} => Ok(Texture::VertexColor),
-            TextureDescription::Product { first, second } => {
-                Ok(Texture::Product(Box::new([self.paint("first", first)?, self.paint("second", second)?])))
-            }
-            TextureDescription::Mix { weight, first, second } => Ok(Texture::Mix(Box::new([
-                self.paint("weight", weight)?,
-                self.paint("first", first)?,
-                self.paint("second", second)?,
-            ]))),
-        }
+    fn paint(&mut self, key: &str, paint: &'d Paint) -> Result<Texture> {
+        self.textures.paint(key, paint, Quantity::Share)
     }
 }
 
+/// The name at `key` is none of `names`.
 pub(super) fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'n String> + Clone, key: &str) -> Error {
     let error = Error::at_key(key, format!("there is no {what} named '{name}'"));
     match did_you_mean(name, names.clone().map(String::as_str)) {
@@ -218,11 +193,4 @@ fn coefficients(kd: Color, ks: Color, kt: Color, ior: f32, fresnel: bool) -> Res
         }
     }
     Ok(Coefficients { kd, ks, kt, ior: check::above_zero("ior", ior)?, fresnel })
-}
-
-/// What a transform does to (u, v, 0).
-fn planar(transform: &Transform) -> Affine2 {
-    let m = transform.0;
-    let linear = Mat2::from_cols(Vec2::new(m.x_axis.x, m.x_axis.y), Vec2::new(m.y_axis.x, m.y_axis.y));
-    Affine2::from_mat2_translation(linear, Vec2::new(m.w_axis.x, m.w_axis.y))
 }

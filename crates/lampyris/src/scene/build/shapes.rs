@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use glam::{Mat3, Mat4, Vec3};
 
+use super::textures::Quantity;
 use super::{check, materials};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Disk, GroupId, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
 use crate::light::{Area, LightId};
-use crate::scene::description::{EmissionDescription, GeometryDescription, Paint, ShapeDescription};
+use crate::scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
 use crate::scene::{Assets, ShapeRecord};
 use crate::spectrum::Spectrum;
+use crate::texture::Texture;
 
 /// Collects shapes.
 #[derive(Default)]
@@ -56,7 +58,8 @@ impl<'d> Builder<'d> {
         check::transform("transform", &shape.transform)?;
         let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
         let material = materials.of_shape(shape.material.as_ref(), false)?;
-        self.records.push(ShapeRecord { material, light: None, name: shape.name.clone() });
+        let asks = materials.asks(material);
+        self.records.push(ShapeRecord { material, light: None, asks, name: shape.name.clone() });
         Ok(geometry)
     }
 
@@ -89,16 +92,16 @@ impl<'d> Builder<'d> {
         }
         let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
         let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some())?;
-        let radiance = match &shape.emission {
-            Some(emission) => Some(radiance(emission, &geometry).map_err(|error| error.under("emission"))?),
-            None => None,
-        };
-        let number = self.surfaces.add(geometry, shape.flip_normal);
-        let light = radiance.map(|radiance| {
-            self.lights.push(Area { shape: number, radiance });
-            (self.lights.len() - 1) as LightId
-        });
-        self.records.push(ShapeRecord { material, light, name: shape.name.clone() });
+        let (mut light, mut asks) = (None, materials.asks(material));
+        if let Some(emission) = &shape.emission {
+            let number = self.records.len() as u32;
+            let area = area_light(number, emission, &geometry, materials).map_err(|error| error.under("emission"))?;
+            asks = asks | area.radiance.asks();
+            light = Some(self.lights.len() as LightId);
+            self.lights.push(area);
+        }
+        self.surfaces.add(geometry, shape.flip_normal);
+        self.records.push(ShapeRecord { material, light, asks, name: shape.name.clone() });
         Ok(())
     }
 
@@ -208,23 +211,39 @@ fn similarity(to_world: &Mat4, shape: &str) -> Result<(f32, Mat3)> {
     .with_hint("use a mesh for other shapes"))
 }
 
-fn radiance(emission: &EmissionDescription, geometry: &Shape) -> Result<Spectrum> {
+/// The shape of this number as a light.
+fn area_light<'d>(
+    shape: u32,
+    emission: &'d EmissionDescription,
+    geometry: &Shape,
+    materials: &mut materials::Builder<'d>,
+) -> Result<Area> {
     if matches!(geometry, Shape::Plane(_)) {
         return Err(Error::new("an infinite plane cannot emit: its power would be infinite").with_hint("use a quad"));
     }
+    let scale = check::at_least_zero("scale", emission.scale)?;
     let radiance = match (&emission.radiance, emission.power) {
-        (Some(Paint::Color(radiance)), None) => check::light("radiance", *radiance)? * emission.scale,
-        (Some(Paint::Texture(_)), None) => {
-            return Err(Error::at_key("radiance", "a textured light cannot be rendered yet"));
+        (Some(paint), None) => match materials.textures().paint("radiance", paint, Quantity::Light)? {
+            Texture::Constant(radiance) => Texture::Constant(radiance * scale),
+            texture if scale == 1.0 => texture,
+            texture => Texture::Product(Box::new([Texture::Constant(Spectrum::grey(scale)), texture])),
+        },
+        (None, Some(power)) => {
+            let sides = if emission.two_sided { 2.0 } else { 1.0 };
+            Texture::Constant(check::light("power", power)? / (sides * std::f32::consts::PI * geometry.area()))
         }
-        (None, Some(power)) => check::light("power", power)? / (std::f32::consts::PI * geometry.area()),
         _ => return Err(Error::new("an emission needs either a radiance or a power")),
     };
-    if radiance.is_zero() {
+    if radiance.asks().vertex_color {
+        return Err(Error::at_key("radiance", "the colours of vertices cannot emit")
+            .with_hint("use a colour, a bitmap or a checkerboard"));
+    }
+    let area = Area::new(shape, geometry, radiance, emission.two_sided);
+    if area.power().is_zero() {
         return Err(Error::new("the emission has no power: the light is black")
             .with_hint("give it a radiance above 0, or leave the emission out"));
     }
-    Ok(radiance)
+    Ok(area)
 }
 
 /// The cube from (-1, -1, -1) to (1, 1, 1): six faces of their own corners, texture coordinates 0 to 1 on each.

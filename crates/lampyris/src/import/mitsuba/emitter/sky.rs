@@ -28,9 +28,6 @@ impl Importer<'_> {
         if sun.try_normalize().is_none() {
             return Err(query.fault("sun_direction", "the direction of the sun must not be zero"));
         }
-        if sun.y < 0.0 {
-            self.warn(query.spot("sun_direction"), "the sun is below the horizon");
-        }
         let scale = query.float("scale", 1.0)?;
         let factor = |name: &str, only: &str| match plugin {
             "sunsky" => query.float(name, scale),

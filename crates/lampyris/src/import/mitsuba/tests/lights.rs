@@ -22,9 +22,9 @@ fn a_light_we_lack_is_left_out() {
     assert_eq!(messages(&imported), [wanted]);
 }
 
-/// Where in the world lies what is in the middle of our picture, in the direction -z of it.
+/// Where in the world lies what is in the middle of our picture, in the direction +z of it.
 fn middle(transform: Transform) -> Vec3 {
-    transform.0.transform_vector3(Vec3::NEG_Z)
+    transform.0.transform_vector3(Vec3::Z)
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn the_middle_of_an_environment_lies_along_z_with_x_to_its_left() {
     };
     assert_eq!((file.as_str(), scale), ("sky.exr", Color::grey(3.0)));
     close(middle(transform).to_array(), [0.0, 0.0, 1.0]);
-    close(transform.0.transform_vector3(Vec3::NEG_X).to_array(), [1.0, 0.0, 0.0]);
+    close(transform.0.transform_vector3(Vec3::X).to_array(), [1.0, 0.0, 0.0]);
     close(transform.0.transform_vector3(Vec3::Y).to_array(), [0.0, 1.0, 0.0]);
 }
 

@@ -63,7 +63,8 @@ fn unknown_statements_and_parameters_are_told_with_what_may_be_meant() {
 
 #[test]
 fn comments_numbers_and_brackets_may_be_written_as_people_do() {
-    let text = "# a comment \"\nShape\"sphere\"\"float radius\"[.5]# end\nTranslate 1. -2e0 +3 Shape \"sphere\"";
+    let text =
+        "\u{feff}# a comment \"\nShape\"sphere\"\"float radius\"[.5]# end\nTranslate 1. -2e0 +3 Shape \"sphere\"";
     let shapes = clean(text).description.shapes;
     assert_eq!(center(&shapes[1]), [1.0, -2.0, 3.0]);
 }

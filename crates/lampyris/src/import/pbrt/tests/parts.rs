@@ -232,7 +232,7 @@ fn a_ply_mesh_is_read_once_plain_or_packed() {
     assert!(Arc::ptr_eq(&meshes[0], &meshes[1]));
     assert_eq!(meshes[2].triangles, [[0, 1, 2]]);
     let error = fault("Shape \"plymesh\" \"string filename\" \"m.ply\"");
-    assert_eq!(error.to_string(), "a.pbrt:1:17: cannot read 'm.ply': no such file or folder");
+    assert_eq!(error.to_string(), "a.pbrt:1:18: cannot read 'm.ply': no such file or folder");
 }
 
 #[test]

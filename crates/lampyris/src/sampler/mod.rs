@@ -1,0 +1,118 @@
+//! Random numbers as a pure function of (seed, pass, purpose, index), so that any pass can be computed anywhere.
+
+mod sequence;
+
+use glam::Vec2;
+use rand_core::Rng;
+use rand_pcg::Pcg32;
+
+use sequence::Sequence;
+
+/// What the numbers are for; paths of different purposes are independent.
+pub mod purpose {
+    /// Walks from the lamps.
+    pub const LIGHT: u32 = 1;
+    /// Walks from the camera.
+    pub const CAMERA: u32 = 2;
+    /// The pilot that chooses a radius.
+    pub const PILOT: u32 = 3;
+}
+
+/// The numbers of one path.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    random: Pcg32,
+    sequence: Option<Sequence>,
+}
+
+impl Sampler {
+    /// The numbers of path `index` of a pass, independent of those of all other paths.
+    pub fn new(seed: u64, pass: u32, purpose: u32, index: u64) -> Sampler {
+        let key = keyed([seed, u64::from(pass) << 32 | u64::from(purpose), index]);
+        Sampler { random: random(key), sequence: None }
+    }
+
+    /// The numbers of path `number` = 0, 1, 2 … of a `family` (a pixel, or all light paths): those of one family fill
+    /// the space of paths evenly, in the dimensions of the first vertices. The families are independent.
+    pub fn even(seed: u64, purpose: u32, family: u64, number: u64) -> Sampler {
+        let family = keyed([seed ^ EVEN, u64::from(purpose), family]);
+        let random = random(mix(family ^ number));
+        // A sequence has 2³² points; then comes another one.
+        let sequence = mix(family ^ mix(number >> 32)) as u32;
+        Sampler { random, sequence: Some(Sequence::new(sequence, number as u32)) }
+    }
+
+    /// Goes to the dimensions that belong to one step of a path, so that the same step of other paths uses the same,
+    /// however many numbers the steps before it took. Steps take four numbers each, or several steps are passed over.
+    #[inline]
+    pub fn step(&mut self, step: u32) {
+        if let Some(sequence) = &mut self.sequence {
+            sequence.start(step);
+        }
+    }
+
+    /// Uniform in [0, 1), 24 bits.
+    #[inline]
+    pub fn uniform(&mut self) -> f32 {
+        self.number(1)
+    }
+
+    /// Uniform in the unit square.
+    #[inline]
+    pub fn square(&mut self) -> Vec2 {
+        let x = self.number(2);
+        Vec2::new(x, self.number(1))
+    }
+
+    #[inline]
+    fn number(&mut self, together: u32) -> f32 {
+        let bits = match self.sequence.as_mut().and_then(|sequence| sequence.next(together)) {
+            Some(bits) => bits,
+            None => self.random.next_u32(),
+        };
+        (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+    }
+}
+
+/// Sets the seeds of [`Sampler::even`] apart from those of [`Sampler::new`].
+const EVEN: u64 = 0x6a09_e667_f3bc_c908;
+
+/// PCG streams of near seeds correlate (its documentation says so): everything is hashed into the state instead.
+fn random(key: u64) -> Pcg32 {
+    Pcg32::new(key, 0x0a02_bdbf_7bb3_c0a7)
+}
+
+fn keyed(parts: [u64; 3]) -> u64 {
+    let [first, rest @ ..] = parts;
+    rest.into_iter().fold(mix(first ^ 0x9e37_79b9_7f4a_7c15), |key, part| mix(key ^ part))
+}
+
+/// A bijection of 64 bits in which every input bit changes every output bit with probability near one half
+/// (the finaliser of SplitMix64, Steele et al. 2014, with Stafford's constants).
+fn mix(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_path_gets_the_same_numbers_and_another_one_others() {
+        let first = |seed, pass, purpose, index| Sampler::new(seed, pass, purpose, index).uniform();
+        assert_eq!(first(1, 2, 3, 4), first(1, 2, 3, 4));
+        let others = [first(2, 2, 3, 4), first(1, 3, 3, 4), first(1, 2, 4, 4), first(1, 2, 3, 5)];
+        assert!(others.iter().all(|&other| other != first(1, 2, 3, 4)));
+    }
+
+    #[test]
+    fn neighbouring_paths_do_not_correlate() {
+        // Sample correlation of the first numbers of n paths with those of their neighbours: normal, sd 1/√n.
+        let n = 100_000;
+        let numbers: Vec<f64> = (0..=n).map(|i| f64::from(Sampler::new(0, 0, 0, i).uniform()) - 0.5).collect();
+        let correlation = 12.0 * numbers.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / n as f64;
+        assert!(correlation.abs() < 5.5 / (n as f64).sqrt(), "{correlation}"); // false alarm 4e-8
+    }
+}
