@@ -1,6 +1,6 @@
 //! Scene files of pbrt-v4, and of pbrt-v3 as far as they are alike.
 //!
-//! Statements are read one after the other ([`reader`]) under a graphics state ([`state`]). Meshes are kept at once;
+//! Statements are read one after the other (`reader`) under a graphics state (`state`). Meshes are kept at once;
 //! materials, textures and what hangs on them wait for the end of the file, since pbrt lets a shape name a material
 //! that comes later. What a statement's part of the description asks for counts as understood; the rest is a warning.
 //!
@@ -211,7 +211,6 @@ impl<'a> Importer<'a> {
 
     fn medium(&mut self, statement: &Statement) {
         if statement.texts.iter().any(|name| !name.is_empty()) {
-            statement.ignore(&[]);
             let message = "media are not supported yet: fog and clouds are left out".to_string();
             // Once for all of them.
             if self.warned.insert((usize::MAX, 0, message.clone())) {
