@@ -1,12 +1,12 @@
 //! Materials as a file gives them.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Color, Paint, one};
 
 /// A material written in place or the name of one in `materials`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MaterialRef {
     /// A name in `materials`.
@@ -16,7 +16,7 @@ pub enum MaterialRef {
 }
 
 /// How a surface scatters light.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum MaterialDescription {
@@ -252,7 +252,7 @@ fn phong_exponent() -> Paint {
 }
 
 /// How rough a boundary is: the distribution of the normals of its microfacets.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Roughness {
     /// Roughness α along the first texture coordinate, and along the second too unless `alpha-v` is given
@@ -270,7 +270,7 @@ pub struct Roughness {
 }
 
 /// A distribution of microfacet normals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MicrofacetDistribution {
     /// Trowbridge and Reitz's, with long tails [Walter et al. 2007].
@@ -281,7 +281,7 @@ pub enum MicrofacetDistribution {
 }
 
 /// Which normalisation Ward's model has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WardVariant {
     /// The original [Ward 1992].
@@ -294,7 +294,7 @@ pub enum WardVariant {
 }
 
 /// See [`MaterialDescription::Principled`]. All are shares from 0 to 1 but for `eta`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct Principled {
     /// The colour (default 0.5).
@@ -347,7 +347,7 @@ impl Default for Principled {
 }
 
 /// See [`MaterialDescription::PrincipledThin`]. All are shares from 0 to 1 but for `eta` and `diff_trans`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct PrincipledThin {
     /// The colour (default 0.5).
