@@ -14,6 +14,7 @@ import argparse
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import mitsuba as mi
@@ -49,23 +50,43 @@ def lampyris_runs(options, size):
     return pictures
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("scene")
-    parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
-    parser.add_argument("--size", default="128x128")
+def arguments(parser, size="128x128"):
+    """The options of a comparison."""
+    parser.add_argument("--size", default=size)
     parser.add_argument("--samples", type=int, default=64, help="per pixel and run")
     parser.add_argument("--passes", type=int, help="of Lampyris per run, if not --samples")
     parser.add_argument("--runs", type=int, default=16)
     parser.add_argument("--integrator", default="path")
+    parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--lampyris", default="target/release/lampyris")
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--clip", type=float, help="cut pixels at this value in every run, against fireflies")
-    options = parser.parse_args()
-    size = tuple(int(side) for side in options.size.split("x"))
 
+
+@dataclass
+class Agreement:
+    """How well two sets of pictures agree."""
+
+    ratio: float
+    error: float
+    channels: np.ndarray
+    passing: float
+    pixels: int
+
+    @property
+    def good(self):
+        return abs(self.ratio - 1.0) <= 0.005 and self.passing >= 0.9975
+
+    def row(self):
+        """Two cells of a table."""
+        return f"{self.ratio:.4f} ± {self.error:.4f} | {100 * self.passing:.3f} %"
+
+
+def compare(options):
+    """Renders `options.scene` with both programs."""
+    size = tuple(int(side) for side in options.size.split("x"))
     theirs, ours = np.stack(mitsuba_runs(options, size)), np.stack(lampyris_runs(options, size))
     if options.clip:
         theirs, ours = np.minimum(theirs, options.clip), np.minimum(ours, options.clip)
@@ -79,11 +100,19 @@ def main():
     same = np.isclose((ours @ LUMINANCE).mean(axis=0), (theirs @ LUMINANCE).mean(axis=0), rtol=1e-4, atol=1e-6)
     threshold = 1.0 - (1.0 - 0.01) ** (1.0 / p.size)
     passing = np.mean((p >= threshold) | same)
+    return Agreement(ratio, error, channels, passing, p.size)
 
-    print(f"{Path(options.scene).name} {options.integrator}: mean ratio {ratio:.5f} ± {error:.5f} "
-          f"(channels {', '.join(f'{channel:.5f}' for channel in channels)}), "
-          f"{100 * passing:.3f} % of {p.size} pixels pass")
-    sys.exit(0 if abs(ratio - 1.0) <= 0.005 and passing >= 0.9975 else 1)
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("scene")
+    arguments(parser)
+    options = parser.parse_args()
+    result = compare(options)
+    channels = ", ".join(f"{channel:.5f}" for channel in result.channels)
+    print(f"{Path(options.scene).name} {options.integrator}: mean ratio {result.ratio:.5f} ± {result.error:.5f} "
+          f"(channels {channels}), {100 * result.passing:.3f} % of {result.pixels} pixels pass")
+    sys.exit(0 if result.good else 1)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 use lampyris::output::{check_scene_path, write_scene};
 
 use crate::args::ConvertArguments;
-use crate::report::{Failure, print, warn};
+use crate::report::{Failure, print};
 use crate::scene::read;
 
 /// Writes a scene in our own format and names the files that it wrote.

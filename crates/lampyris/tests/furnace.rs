@@ -153,6 +153,35 @@ fn what_absorbs_nothing_and_is_diffuse_vanishes() {
     assert_radiance("diffuse", &diffuse, &["integrator=light photons=20000"], [1.0; 3], 0.06);
 }
 
+/// To within what the tables of their lost light are exact, and the horizon hides.
+#[test]
+fn what_absorbs_nothing_and_is_rough_vanishes() {
+    for material in [
+        "{ type = 'conductor', eta = 0, k = 1, roughness = { alpha = 0.5, multiple-scattering = true } }",
+        "{ type = 'glass', roughness = { alpha = 0.4, multiple-scattering = true } }",
+        "{ type = 'plastic', reflectance = 1, roughness = { alpha = 0.3, multiple-scattering = true } }",
+        "{ type = 'diffuse-transmission', reflectance = 0.4, transmittance = 0.6 }",
+        "{ type = 'mask', opacity = 0.5, material = { type = 'glass', ior = 1.3,
+           roughness = { alpha = 0.8, multiple-scattering = true } } }",
+    ] {
+        assert_nearly(material, &ball(&material.replace('\n', " ")), &ON_BALLS, [1.0; 3], 0.007, 0.05);
+    }
+}
+
+/// A rough boundary multiplies radiance by the square of the index, and divides it by that on the way out.
+#[test]
+fn inside_rough_glass_radiance_is_larger_by_the_square_of_the_index() {
+    let text = "camera = { origin = [0.3, 0.2, 0], target = [0, 0, 5], fov = 120 }
+        film = { size = [8, 8] }
+        lights = [{ type = 'constant', radiance = 1 }]
+        [[shapes]]
+        type = 'sphere'
+        material = { type = 'glass', ior = 1.6, roughness = { alpha = 0.3, multiple-scattering = true } }";
+    // Photons are few at each place of the ball.
+    assert_nearly("rough glass", text, &ON_BALLS[..1], [2.56; 3], 0.02, 0.05);
+    assert_nearly("rough glass", text, &ON_BALLS[2..], [2.56; 3], 0.02, 0.15);
+}
+
 #[test]
 fn all_kinds_of_things_together_vanish() {
     let mut shapes = String::new();

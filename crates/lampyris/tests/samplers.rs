@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::lit;
 use common::statistics::{assert_distribution, assert_frequency, assert_mean};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use lampyris::camera::Camera;
 use lampyris::geometry::Ray;
 use lampyris::light::Light;
@@ -53,7 +53,7 @@ fn direction(z: f32, around: f32) -> Vec3 {
     ((1.0 - z * z).sqrt() * Vec2::from_angle(around)).extend(z)
 }
 
-const MATERIALS: [&str; 17] = [
+const MATERIALS: [&str; 36] = [
     "{ type = 'diffuse', reflectance = [0.2, 0.5, 0.8] }",
     "{ type = 'mirror', reflectance = 0.7 }",
     "{ type = 'glass' }",
@@ -72,31 +72,110 @@ const MATERIALS: [&str; 17] = [
     "{ type = 'blend', weight = 0.5, first = { type = 'diffuse', reflectance = [1, 0, 0] },
        second = { type = 'diffuse', reflectance = [0, 0, 1] } }",
     "{ type = 'two-sided', front = { type = 'mask', opacity = 0.5, material = { type = 'glass' } } }",
+    "{ type = 'conductor', metal = 'Au', roughness = { alpha = 0.001 } }",
+    "{ type = 'conductor', metal = 'Cu', roughness = { alpha = 0.02, alpha-v = 0.4 } }",
+    "{ type = 'conductor', metal = 'Al', roughness = { alpha = 1, multiple-scattering = true } }",
+    "{ type = 'conductor', metal = 'Ag', roughness = { alpha = 0.3, distribution = 'beckmann' } }",
+    "{ type = 'conductor', metal = 'W', roughness = { alpha = 0.9, alpha-v = 0.05, distribution = 'beckmann' } }",
+    "{ type = 'glass', roughness = { alpha = 0.005 } }",
+    "{ type = 'glass', ior = 1.2, reflectance = 0.2, roughness = { alpha = 0.3, alpha-v = 0.8 } }",
+    "{ type = 'glass', ior = 2, roughness = { alpha = 0.7, multiple-scattering = true } }",
+    "{ type = 'glass', ior = 1, exterior-ior = 1.5, roughness = { alpha = 0.2, distribution = 'beckmann' } }",
+    "{ type = 'plastic', reflectance = [0.9, 0.2, 0.1], roughness = { alpha = 0.05 } }",
+    "{ type = 'two-sided', front = { type = 'plastic', roughness = { alpha = 0.4, distribution = 'beckmann' } } }",
+    "{ type = 'rough-diffuse', alpha = 0.7 }",
+    "{ type = 'diffuse-transmission', reflectance = 0.6, transmittance = [0.1, 0.2, 0.3] }",
+    "{ type = 'phong', exponent = 200 }",
+    "{ type = 'ward', alpha-u = 0.05, alpha-v = 0.3 }",
+    "{ type = 'principled', metallic = 0.3, roughness = 0.3, anisotropic = 0.7, clearcoat = 1, clearcoat-gloss = 0.5 }",
+    "{ type = 'principled', spec-trans = 0.7, roughness = 0.4, clearcoat = 0.5, sheen = 1, flatness = 0.5 }",
+    "{ type = 'principled-thin', spec-trans = 0.6, roughness = 0.3, diff-trans = 0.8, anisotropic = 0.5 }",
+    "{ type = 'blend', weight = 0.4, first = { type = 'conductor', metal = 'Au', roughness = { alpha = 0.1 } },
+       second = { type = 'glass', roughness = { alpha = 0.2 } } }",
 ];
 
 /// The scattering function of a material, seen from the side of the normal or the other one.
-fn bsdf(material: &str, front: bool) -> Bsdf {
+fn bsdf(material: &str, front: bool) -> Bsdf<'static> {
     let text = "camera = { origin = [0, 0, 3], target = [0, 0, 0] }
         lights = [{ type = 'constant' }]
         shapes = [{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0], material = MATERIAL }]";
-    let lit = lit(&text.replace("MATERIAL", &material.replace('\n', " ")), "");
+    let lit = Box::leak(Box::new(lit(&text.replace("MATERIAL", &material.replace('\n', " ")), "")));
     let z = if front { 1.0 } else { -1.0 };
     let ray = Ray { origin: Vec3::new(0.1, 0.2, z), direction: Vec3::new(0.0, 0.0, -z) };
     lit.scene.closest(&ray).expect("a wall").bsdf
 }
 
-/// Draws many directions and sorts them: those of smooth events by bins, delta events by what they are.
+/// A part of all directions, by (z + 1) / 2 and the azimuth over 2π, which are uniform in solid angle.
+#[derive(Clone, Copy)]
+struct Cell {
+    low: DVec2,
+    side: DVec2,
+}
+
+impl Cell {
+    const ALL: Cell = Cell { low: DVec2::ZERO, side: DVec2::ONE };
+
+    fn quarters(&self) -> [Cell; 4] {
+        let side = self.side / 2.0;
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|at| Cell { low: self.low + side * DVec2::from(at), side })
+    }
+
+    fn contains(&self, at: DVec2) -> bool {
+        at.cmpge(self.low).all() && at.cmplt(self.low + self.side).all()
+    }
+
+    /// Where a direction lies.
+    fn place(direction: Vec3) -> DVec2 {
+        let around = f64::from(direction.y).atan2(f64::from(direction.x)) / TAU;
+        DVec2::new(0.5 + 0.5 * f64::from(direction.z), around + if around < 0.0 { 1.0 } else { 0.0 })
+    }
+
+    /// The integral of a density over it; as many points as it takes.
+    fn integral(&self, density: &dyn Fn(Vec3) -> f64, depth: u32) -> f64 {
+        let coarse = self.midpoints(density);
+        let quarters = self.quarters();
+        let fine: f64 = quarters.iter().map(|quarter| quarter.midpoints(density)).sum();
+        if depth == 0 || (fine - coarse).abs() < 2e-5 + 2e-3 * fine {
+            return fine;
+        }
+        quarters.iter().map(|quarter| quarter.integral(density, depth - 1)).sum()
+    }
+
+    fn midpoints(&self, density: &dyn Fn(Vec3) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+            let at = self.low + self.side * (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / 6.0;
+            let (z, (sin, cos)) = (2.0 * at.x - 1.0, (TAU * at.y).sin_cos());
+            let radius = (1.0 - z * z).sqrt();
+            sum += density(Vec3::new((radius * cos) as f32, (radius * sin) as f32, z as f32));
+        }
+        sum / 36.0 * 2.0 * TAU * self.side.x * self.side.y
+    }
+
+    /// Cells with some hundred of these directions each.
+    fn around(places: Vec<DVec2>, cell: Cell, found: &mut Vec<Cell>) {
+        if places.len() < 400 && cell.side.x <= 1.0 / 8.0 || cell.side.x < 1e-6 {
+            return found.push(cell);
+        }
+        for quarter in cell.quarters() {
+            let inside = places.iter().copied().filter(|&place| quarter.contains(place)).collect();
+            Cell::around(inside, quarter, found);
+        }
+    }
+}
+
+/// Draws many directions and sorts them: those of smooth events by cells, delta events by what they are, and what leads
+/// nowhere.
 fn assert_sampled_as_claimed(name: &str, bsdf: &Bsdf, to_previous: Vec3, follow: Lobes) {
     const DRAWS: u32 = 60_000;
     let mut sampler = Sampler::new(5, 0, 0, 0);
-    let mut smooth = vec![0.0; Z * AROUND];
+    let mut smooth = Vec::new();
     let mut deltas: HashMap<(usize, [u32; 3], u32), (f64, Scattered)> = HashMap::new();
-    let mut drawn = 0.0;
     for _ in 0..DRAWS {
         let Some(scattered) = bsdf.sample(to_previous, follow, &mut sampler) else { continue };
-        drawn += 1.0;
         assert!(follow.contains(scattered.event), "{name}: {scattered:?}");
         assert!((scattered.to_next.length() - 1.0).abs() < 1e-5, "{name}: {scattered:?}");
+        assert!(scattered.weight.is_finite(), "{name}: {scattered:?}");
         if Lobes::DELTA.contains(scattered.event) {
             let weight = scattered.weight.to_rgb().map(f32::to_bits);
             let key = (scattered.event.index(), weight, scattered.pdf.to_bits());
@@ -108,27 +187,41 @@ fn assert_sampled_as_claimed(name: &str, bsdf: &Bsdf, to_previous: Vec3, follow:
         let value = bsdf.eval(to_previous, scattered.to_next) * scattered.to_next.z.abs();
         let off = (scattered.weight * pdf).to_rgb().iter().zip(value.to_rgb()).any(|(a, b)| (a - b).abs() > 1e-4 * b);
         assert!(!off, "{name}: {scattered:?} is not the value {value:?} over the density");
-        smooth[bin(scattered.to_next)] += 1.0;
+        smooth.push(Cell::place(scattered.to_next));
     }
-    let mut expected = integrals(8, |to_next| f64::from(bsdf.pdf(to_previous, to_next, follow)));
-    let mut observed = smooth;
+    let density = |to_next: Vec3| f64::from(bsdf.pdf(to_previous, to_next, follow));
+    let mut cells = Vec::new();
+    // The cells come from other draws than those they count, or each would hold as many as it was made for.
+    Cell::around(smooth.iter().copied().step_by(4).collect(), Cell::ALL, &mut cells);
+    let counted: Vec<DVec2> =
+        smooth.iter().copied().enumerate().filter(|(i, _)| i % 4 != 0).map(|(_, at)| at).collect();
+    let share = if smooth.is_empty() { 1.0 } else { counted.len() as f64 / smooth.len() as f64 };
+    let mut expected: Vec<f64> = cells.iter().map(|cell| cell.integral(&density, 6)).collect();
+    let mut observed = vec![0.0; cells.len()];
+    for place in counted {
+        observed[cells.iter().position(|cell| cell.contains(place)).expect("a cell")] += 1.0 / share;
+    }
     for (count, scattered) in deltas.values() {
         observed.push(*count);
         expected.push(f64::from(scattered.pdf));
     }
-    if drawn == 0.0 {
-        assert!(expected.iter().all(|&due| due == 0.0), "{name}: nothing is drawn where something should be");
+    let drawn = f64::from(DRAWS);
+    let total: f64 = expected.iter().sum();
+    assert!(total < 1.003, "{name}: Σ = {total}");
+    if smooth.is_empty() && deltas.is_empty() {
+        assert!(total < 1e-6, "{name}: nothing is drawn where something should be");
         return;
     }
-    assert!((expected.iter().sum::<f64>() - 1.0).abs() < 2e-3, "{name}: Σ = {}", expected.iter().sum::<f64>());
-    let expected: Vec<f64> = expected.iter().map(|due| due * drawn).collect();
-    if expected.iter().any(|&due| due > 0.999 * drawn) {
+    if expected.iter().any(|&due| due > 0.999) {
         return; // One possible event: nothing is random.
     }
-    assert_distribution(name, &observed, &expected, drawn);
+    // Three quarters of the smooth draws are counted, which widens their spread: trials are those that were counted.
+    let expected: Vec<f64> = expected.iter().map(|due| due * drawn * share).collect();
+    let observed: Vec<f64> = observed.iter().map(|count| count * share).collect();
+    assert_distribution(name, &observed, &expected, drawn * share);
 }
 
-/// 17 materials × 3 angles × 2 sides × 2 sets of lobes at most: together, false alarms have odds of 2e-5.
+/// 36 materials × 3 angles × 2 sides × 2 sets of lobes at most: together, false alarms have odds of 5e-5.
 #[test]
 fn every_material_is_sampled_as_it_claims() {
     for material in MATERIALS {
@@ -149,7 +242,7 @@ fn the_choice_follows_the_weights_for_every_number_drawn() {
     let weights = [0.0, 0.3, 0.0, 0.5, 0.2, 0.0];
     let mut counts = [0_u32; 6];
     for step in 0..1_000_000 {
-        let (slot, probability, total) = choose_event(&weights, (step as f32 + 0.5) / 1e6).expect("some");
+        let (slot, probability, total, _) = choose_event(&weights, (step as f32 + 0.5) / 1e6).expect("some");
         assert!((probability - weights[slot]).abs() < 1e-6 && (total - 1.0).abs() < 1e-6);
         counts[slot] += 1;
     }
@@ -328,6 +421,105 @@ proptest! {
             all += bsdf.eval(a, b) * (b.z.abs() * weight);
         }
         prop_assert!(all.to_rgb().iter().all(|&lane| (0.0..=1.003).contains(&lane)), "{:?}", all);
+    }
+}
+
+/// What scatters smoothly and sends light back as it came, with or without the square of an index of refraction below.
+const RECIPROCAL: [(&str, f32); 13] = [
+    ("{ type = 'conductor', metal = 'Cu', roughness = { alpha = 0.02, alpha-v = 0.4 } }", 1.0),
+    ("{ type = 'conductor', metal = 'W', roughness = { alpha = 0.6, distribution = 'beckmann' } }", 1.0),
+    ("{ type = 'conductor', metal = 'Al', roughness = { alpha = 0.8, multiple-scattering = true } }", 1.0),
+    ("{ type = 'glass', ior = 1.4, roughness = { alpha = 0.2, alpha-v = 0.5 } }", 1.4),
+    ("{ type = 'glass', ior = 1, exterior-ior = 2, roughness = { alpha = 0.4, distribution = 'beckmann' } }", 0.5),
+    ("{ type = 'glass', ior = 1.7, roughness = { alpha = 0.7, multiple-scattering = true } }", 1.7),
+    ("{ type = 'plastic', reflectance = [0.9, 0.2, 0.1], roughness = { alpha = 0.2 } }", 1.0),
+    ("{ type = 'rough-diffuse', alpha = 0.7 }", 1.0),
+    ("{ type = 'diffuse-transmission', reflectance = 0.6, transmittance = [0.1, 0.2, 0.3] }", 1.0),
+    ("{ type = 'phong' }", 1.0),
+    ("{ type = 'ward', alpha-u = 0.2, alpha-v = 0.3 }", 1.0),
+    (
+        "{ type = 'principled', spec-trans = 0.7, eta = 1.3, clearcoat = 0.5, sheen = 1, flatness = 0.5, metallic = 0.2 }",
+        1.3,
+    ),
+    ("{ type = 'principled-thin', spec-trans = 0.6, roughness = 0.3, diff-trans = 0.8, anisotropic = 0.5 }", 1.0),
+];
+
+#[test]
+fn rough_scattering_is_reciprocal_but_for_the_square_of_the_index() {
+    for (material, ior) in RECIPROCAL {
+        let (front, back) = (bsdf(material, true), bsdf(material, false));
+        for index in 0..4000_u32 {
+            let place = |step: f32| (index as f32 * step).fract();
+            let z = |at: f32| if at < 0.5 { at * 1.8 + 0.1 } else { -(at - 0.5) * 1.8 - 0.1 };
+            let a = direction(z(place(0.618_034)), 6.0 * place(0.754_878));
+            // Half of the pairs near the mirrored direction, where lobes are.
+            let b = direction(z(place(0.569_84)), 6.0 * place(0.324_718));
+            let b = if index % 2 == 0 { b } else { (Vec3::new(-a.x, -a.y, a.z) + 0.2 * b).normalize() };
+            let side = |from: Vec3| if from.z > 0.0 { &front } else { &back };
+            let square = |to: Vec3| if to.z > 0.0 { 1.0 } else { ior * ior };
+            let there = side(a).eval(a, b).to_rgb().map(|value| value / square(b));
+            let back = side(b).eval(b, a).to_rgb().map(|value| value / square(a));
+            for (there, back) in there.into_iter().zip(back) {
+                assert!(
+                    (there - back).abs() <= 2e-3 * there.abs() + 1e-6,
+                    "{material}, {a} to {b}: {there} and {back}"
+                );
+            }
+        }
+    }
+}
+
+/// The mean over strata of what a path is multiplied by: the share of the light that goes on, with its standard error.
+fn scattered_share(bsdf: &Bsdf, to_previous: Vec3) -> ([f64; 3], f64) {
+    let draws = 40_000;
+    let mut sampler = Sampler::new(11, 0, 0, 0);
+    let (mut sum, mut squares) = ([0.0; 3], 0.0);
+    for _ in 0..draws {
+        let Some(scattered) = bsdf.sample(to_previous, Lobes::ALL, &mut sampler) else { continue };
+        for (sum, lane) in sum.iter_mut().zip(scattered.weight.to_rgb()) {
+            *sum += f64::from(lane) / f64::from(draws);
+        }
+        squares += f64::from(scattered.weight.max()).powi(2) / f64::from(draws);
+    }
+    let largest = sum.iter().copied().fold(0.0, f64::max);
+    (sum, ((squares - largest * largest).max(0.0) / f64::from(draws)).sqrt())
+}
+
+/// 6 standard errors: odds of 2e-9 each, 2e-6 all together.
+#[test]
+fn no_rough_material_scatters_more_light_than_it_gets() {
+    for material in MATERIALS.iter().filter(|material| !material.contains("sheen")) {
+        for z in [1.0_f32, 0.8, 0.3, 0.05, -0.05, -0.5, -1.0] {
+            let (share, error) = scattered_share(&bsdf(material, z > 0.0), direction(z, 0.4));
+            let allowed = 1.002 + 6.0 * error;
+            assert!(share.iter().all(|&share| share <= allowed), "{material} from {z}: {share:?} ± {error}");
+        }
+    }
+}
+
+/// What absorbs nothing and is given back the light that its facets lose scatters all it gets, however rough it is.
+#[test]
+fn with_multiple_scattering_nothing_is_lost() {
+    for distribution in ["ggx", "beckmann"] {
+        for alpha in [0.01, 0.1, 0.3, 0.6, 1.0] {
+            let rough = format!(
+                "roughness = {{ alpha = {alpha}, distribution = '{distribution}', multiple-scattering = true }}"
+            );
+            for material in [
+                format!("{{ type = 'conductor', eta = 0, k = 1, {rough} }}"),
+                format!("{{ type = 'glass', ior = 1.5, {rough} }}"),
+                format!("{{ type = 'plastic', reflectance = 1, {rough} }}"),
+            ] {
+                for z in [1.0_f32, 0.6, 0.2, 0.05, -0.2, -0.7] {
+                    if z < 0.0 && material.contains("plastic") {
+                        continue;
+                    }
+                    let (share, error) = scattered_share(&bsdf(&material, z > 0.0), direction(z, 0.4));
+                    let off = (share[1] - 1.0).abs();
+                    assert!(off < 0.005 + 6.0 * error, "{material} from {z}: {share:?} ± {error}");
+                }
+            }
+        }
     }
 }
 

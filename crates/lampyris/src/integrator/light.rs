@@ -64,15 +64,23 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
         &Rowless(observer),
         || (),
         |path, _, (), sink: &mut S| {
-            let light = match scene.closest_in_cone(&path.ray, path.cone) {
-                Some(point) => {
+            let (mut light, mut ray, mut share, mut rays) = (Spectrum::ZERO, path.ray, 1.0, 0);
+            // On through holes, if there are any.
+            while share > 0.0 {
+                let Some(point) = scene.closest_in_cone(&ray, path.cone) else {
+                    light += scene.background(ray.direction) * share;
+                    break;
+                };
+                if rays == 0 {
                     sink.surface(&point, &path);
-                    scene.emitted(&point)
                 }
-                None => scene.background(path.ray.direction),
-            };
+                rays += 1;
+                light += scene.emitted(&point) * share;
+                share *= point.bsdf.holes();
+                ray = point.surface.spawn(ray.direction);
+            }
             sink.add(path.throughput * light, 0);
-            1
+            rays.max(1)
         },
     )
 }
@@ -124,7 +132,8 @@ impl Splat<'_> {
         let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
             / point.geometric_over_shading(point.to_previous).max(1e-3);
         let value = point.eval(to_camera) * (cos * seen.importance);
-        let arrives = !value.is_zero() && !self.scene.occluded(&point.surface, seen.lens);
-        arrives.then(|| Arrival { pixel, light: path.throughput * value, is_direct: path.bounce == 0 })
+        let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
+        let light = path.throughput * value * visibility;
+        (visibility > 0.0).then(|| Arrival { pixel, light, is_direct: path.bounce == 0 })
     }
 }

@@ -1,14 +1,20 @@
 //! The scattering function at one point: a mix of models, without textures.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::{Coefficients, Conductor, Diffuse, Event, Glass, Hole, Lobes, Mirror, Plastic, ThinGlass};
+use super::{
+    Coefficients, Conductor, Diffuse, DiffuseTransmission, Event, Glass, Hole, Lobes, Mirror, Phong, Plastic,
+    Principled, PrincipledThin, RoughConductor, RoughDiffuse, RoughGlass, RoughPlastic, ThinGlass, Ward,
+};
+use crate::math::ONE_MINUS_EPSILON;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
 /// How much of the light takes part in each event, by [`Event::index`]. For delta events this is the weight of the
 /// path; for smooth ones a good estimate of it, which steers the choice alone.
-pub type Shares = [Spectrum; 4];
+pub type Shares = [Spectrum; EVENTS];
+
+const EVENTS: usize = Event::ALL.len();
 
 /// A model of scattering. Directions are local (normal +z), of unit length, and point away from the surface; models
 /// are symmetric in their two directions but for the solid angle that refraction changes, which the walk corrects. What
@@ -17,7 +23,9 @@ pub trait Scatter {
     /// The share of each event in the light that continues towards, or comes from, `to_previous`.
     fn shares(&self, to_previous: Vec3) -> Shares;
 
-    /// The value of the smooth lobes in 1/sr, without a cosine.
+    /// The value of the smooth lobes in 1/sr, without a cosine, for flux that comes from `to_previous`. Radiance that
+    /// comes from `to_next` has the same value with the two exchanged: what is sent through a boundary differs by the
+    /// square of the ratio of the indices.
     fn eval(&self, _to_previous: Vec3, _to_next: Vec3) -> Spectrum {
         Spectrum::ZERO
     }
@@ -33,14 +41,14 @@ pub trait Scatter {
         0.0
     }
 
-    /// A direction for this event, with the index of refraction on its side over that of `to_previous`; none if the
-    /// event is not possible from here.
-    fn sample(&self, event: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)>;
+    /// A direction for this event, from three numbers uniform in 0..1, with the index of refraction on its side over that
+    /// of `to_previous`; none if the event leads nowhere.
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)>;
 }
 
-/// The closed set of models, as plain data.
+/// The closed set of models, as plain data; tables stay where the material is.
 #[derive(Clone, Copy, Debug)]
-pub enum Model {
+pub enum Model<'a> {
     /// Lambert's.
     Diffuse(Diffuse),
     /// A perfect mirror.
@@ -57,9 +65,27 @@ pub enum Model {
     Coefficients(Coefficients),
     /// Nothing: light passes straight through.
     Hole(Hole),
+    /// A rough metal.
+    RoughConductor(RoughConductor<'a>),
+    /// A rough dielectric boundary.
+    RoughGlass(RoughGlass<'a>),
+    /// A diffuse base under a rough dielectric coat.
+    RoughPlastic(RoughPlastic<'a>),
+    /// Diffuse grooves.
+    RoughDiffuse(RoughDiffuse),
+    /// Diffuse on both sides at once.
+    DiffuseTransmission(DiffuseTransmission),
+    /// Phong's.
+    Phong(Phong),
+    /// Ward's.
+    Ward(Ward),
+    /// Burley's.
+    Principled(Principled),
+    /// Burley's for sheets.
+    PrincipledThin(PrincipledThin),
 }
 
-impl Model {
+impl Model<'_> {
     /// The model as what it does.
     #[inline]
     pub fn scatter(&self) -> &dyn Scatter {
@@ -72,6 +98,15 @@ impl Model {
             Model::Plastic(model) => model,
             Model::Coefficients(model) => model,
             Model::Hole(model) => model,
+            Model::RoughConductor(model) => model,
+            Model::RoughGlass(model) => model,
+            Model::RoughPlastic(model) => model,
+            Model::RoughDiffuse(model) => model,
+            Model::DiffuseTransmission(model) => model,
+            Model::Phong(model) => model,
+            Model::Ward(model) => model,
+            Model::Principled(model) => model,
+            Model::PrincipledThin(model) => model,
         }
     }
 
@@ -81,23 +116,39 @@ impl Model {
         match self {
             Model::Diffuse(_) => Event::Diffuse.into(),
             Model::Mirror(_) | Model::Conductor(_) => Event::Specular.into(),
-            Model::Glass(_) | Model::ThinGlass(_) => Lobes::DELTA,
+            Model::Glass(_) | Model::ThinGlass(_) => Lobes::from(Event::Specular) | Event::Refraction.into(),
             Model::Plastic(_) => Lobes::from(Event::Diffuse) | Event::Specular.into(),
             Model::Coefficients(model) => model.lobes(),
-            Model::Hole(_) => Event::Refraction.into(),
+            Model::Hole(_) => Event::Pass.into(),
+            Model::RoughDiffuse(_) | Model::DiffuseTransmission(_) => Event::Diffuse.into(),
+            Model::Principled(_) | Model::PrincipledThin(_) => Event::Glossy.into(),
+            Model::RoughConductor(RoughConductor { white: None, .. }) => Event::Glossy.into(),
+            Model::RoughGlass(RoughGlass { once: None, .. }) => Event::Glossy.into(),
+            Model::RoughConductor(_) | Model::RoughGlass(_) => Lobes::SMOOTH,
+            Model::RoughPlastic(_) | Model::Phong(_) | Model::Ward(_) => Lobes::SMOOTH,
+        }
+    }
+
+    /// Whether smooth lobes lead through the surface.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        match self {
+            Model::RoughGlass(_) | Model::DiffuseTransmission(_) | Model::PrincipledThin(_) => true,
+            Model::Principled(model) => model.transmits,
+            _ => false,
         }
     }
 }
 
 /// One part of a [`Bsdf`].
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct Part<'a> {
     /// Its share, 0 to 1.
     pub weight: f32,
     /// Whether it lies upside down: a material of the back, seen from there.
     pub flipped: bool,
     /// What it is.
-    pub model: Model,
+    pub model: Model<'a>,
 }
 
 /// How many parts a mix can have.
@@ -105,10 +156,11 @@ pub const MAX_PARTS: usize = 4;
 
 /// The scattering function at one point.
 #[derive(Clone, Copy, Debug)]
-pub struct Bsdf {
-    parts: [Part; MAX_PARTS],
+pub struct Bsdf<'a> {
+    parts: [Part<'a>; MAX_PARTS],
     count: u8,
     lobes: Lobes,
+    transmits: bool,
 }
 
 /// A direction in which a path goes on.
@@ -126,31 +178,32 @@ pub struct Scattered {
     pub ior_ratio: f32,
 }
 
-impl Bsdf {
+impl<'a> Bsdf<'a> {
     /// Of one model alone.
-    pub fn of(model: Model) -> Bsdf {
+    pub fn of(model: Model<'a>) -> Bsdf<'a> {
         let mut bsdf = Bsdf::empty();
         bsdf.push(Part { weight: 1.0, flipped: false, model });
         bsdf
     }
 
     /// Without any part: black.
-    pub(super) fn empty() -> Bsdf {
+    pub(super) fn empty() -> Bsdf<'a> {
         let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
-        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE }
+        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false }
     }
 
     /// Adds a part.
     ///
     /// # Panics
     /// Beyond [`MAX_PARTS`].
-    pub(super) fn push(&mut self, part: Part) {
+    pub(super) fn push(&mut self, part: Part<'a>) {
         self.lobes = self.lobes | part.model.lobes();
+        self.transmits |= part.model.transmits();
         self.parts[usize::from(self.count)] = part;
         self.count += 1;
     }
 
-    fn parts(&self) -> &[Part] {
+    fn parts(&self) -> &[Part<'a>] {
         &self.parts[..usize::from(self.count)]
     }
 
@@ -160,7 +213,21 @@ impl Bsdf {
         self.lobes
     }
 
-    /// The value of the smooth lobes in 1/sr, without a cosine.
+    /// Whether smooth lobes lead through the surface.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        self.transmits
+    }
+
+    /// Share of the light that goes through holes.
+    #[inline]
+    pub fn holes(&self) -> f32 {
+        let holes = self.parts().iter().filter(|part| matches!(part.model, Model::Hole(_)));
+        holes.map(|part| part.weight).sum()
+    }
+
+    /// The value of the smooth lobes in 1/sr, without a cosine, for flux that comes from `to_previous`; see
+    /// [`Scatter::eval`].
     #[inline]
     pub fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
         let mut value = Spectrum::ZERO;
@@ -203,10 +270,10 @@ impl Bsdf {
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
         let weights = self.weights(to_previous, follow);
         let used = weights[..usize::from(self.count)].as_flattened();
-        let (slot, probability, total) = choose_event(used, sampler.uniform())?;
-        let (part, event) = (&self.parts[slot / 4], Event::ALL[slot % 4]);
+        let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
+        let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
         let local = part.turned(to_previous);
-        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square())?;
+        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square().extend(rest))?;
         let to_next = part.turned(to_next);
         if Lobes::DELTA.contains(event) {
             let weight = part.model.scatter().shares(local)[event.index()] * (part.weight / probability);
@@ -219,8 +286,8 @@ impl Bsdf {
 
     /// The weight of every event of every part in the choice of one.
     #[inline]
-    fn weights(&self, to_previous: Vec3, follow: Lobes) -> [[f32; 4]; MAX_PARTS] {
-        let mut weights = [[0.0; 4]; MAX_PARTS];
+    fn weights(&self, to_previous: Vec3, follow: Lobes) -> [[f32; EVENTS]; MAX_PARTS] {
+        let mut weights = [[0.0; EVENTS]; MAX_PARTS];
         for (part, weights) in self.parts().iter().zip(&mut weights) {
             let shares = part.model.scatter().shares(part.turned(to_previous));
             for event in Event::ALL {
@@ -233,7 +300,7 @@ impl Bsdf {
     }
 
     /// The densities of all smooth events, times their unnormalised weights.
-    fn smooth_pdf(&self, weights: &[[f32; 4]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
+    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
         let mut pdf = 0.0;
         for (part, weights) in self.parts().iter().zip(weights) {
             for event in [Event::Diffuse, Event::Glossy] {
@@ -247,7 +314,7 @@ impl Bsdf {
     }
 }
 
-impl Part {
+impl Part<'_> {
     #[inline]
     fn turned(&self, direction: Vec3) -> Vec3 {
         if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }
@@ -255,21 +322,21 @@ impl Part {
 }
 
 /// The one choice of an event, for both walks: a slot with a probability proportional to its weight, that
-/// probability, and the sum of the weights. None if all are zero.
+/// probability, the sum of the weights, and `u` stretched to 0..1 for use in what was chosen. None if all are zero.
 #[inline]
-pub fn choose_event(weights: &[f32], u: f32) -> Option<(usize, f32, f32)> {
+pub fn choose_event(weights: &[f32], u: f32) -> Option<(usize, f32, f32, f32)> {
     let total: f32 = weights.iter().sum();
     let mut left = u * total;
     let mut chosen = None;
     for (slot, &weight) in weights.iter().enumerate() {
         if weight > 0.0 {
-            chosen = Some(slot);
+            chosen = Some((slot, left / weight));
             if left < weight {
                 break;
             }
             left -= weight;
         }
     }
-    let slot = chosen?;
-    Some((slot, weights[slot] / total, total))
+    let (slot, rest) = chosen?;
+    Some((slot, weights[slot] / total, total, rest.clamp(0.0, ONE_MINUS_EPSILON)))
 }

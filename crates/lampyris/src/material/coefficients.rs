@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Event, Lobes, Scatter, Shares, diffuse, glass};
 use crate::math::fresnel;
@@ -67,9 +67,9 @@ impl Scatter for Coefficients {
         diffuse::pdf(to_previous, to_next)
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
         if event == Event::Diffuse {
-            return Some((diffuse::sample(to_previous, u), 1.0));
+            return Some((diffuse::sample(to_previous, u.truncate()), 1.0));
         }
         glass::delta_direction(event, to_previous, &fresnel::dielectric(to_previous.z, self.ior))
     }

@@ -1,6 +1,6 @@
 //! The models that know one direction only: mirror, metal, hole.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Event, Scatter, Shares, glass};
 use crate::math::fresnel;
@@ -33,7 +33,7 @@ impl Scatter for Mirror {
         glass::delta_shares(self.reflectance, Spectrum::ZERO)
     }
 
-    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
         Some((fresnel::reflect(to_previous), 1.0))
     }
 }
@@ -45,17 +45,19 @@ impl Scatter for Conductor {
         glass::delta_shares(Spectrum::from_rgb(reflected) * self.reflectance, Spectrum::ZERO)
     }
 
-    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
         Some((fresnel::reflect(to_previous), 1.0))
     }
 }
 
 impl Scatter for Hole {
     fn shares(&self, _: Vec3) -> Shares {
-        glass::delta_shares(Spectrum::ZERO, Spectrum::ONE)
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
+        shares[Event::Pass.index()] = Spectrum::ONE;
+        shares
     }
 
-    fn sample(&self, _: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, _: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
         Some((-to_previous, 1.0))
     }
 }

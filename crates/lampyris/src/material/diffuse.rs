@@ -18,7 +18,7 @@ pub struct Diffuse {
 impl Scatter for Diffuse {
     #[inline]
     fn shares(&self, _: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         shares[Event::Diffuse.index()] = self.reflectance;
         shares
     }
@@ -39,8 +39,8 @@ impl Scatter for Diffuse {
     }
 
     #[inline]
-    fn sample(&self, _: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
-        Some((sample(to_previous, u), 1.0))
+    fn sample(&self, _: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
+        Some((sample(to_previous, u.truncate()), 1.0))
     }
 }
 

@@ -13,11 +13,13 @@ pub enum Event {
     Specular,
     /// Sent through the surface in one direction.
     Refraction,
+    /// Not met at all: the path has gone through a hole. It counts as no event of the path.
+    Pass,
 }
 
 impl Event {
     /// All events; their order is that of [`Event::index`].
-    pub const ALL: [Event; 4] = [Event::Diffuse, Event::Glossy, Event::Specular, Event::Refraction];
+    pub const ALL: [Event; 5] = [Event::Diffuse, Event::Glossy, Event::Specular, Event::Refraction, Event::Pass];
 
     /// Its place in [`Event::ALL`].
     pub const fn index(self) -> usize {
@@ -35,9 +37,11 @@ impl Lobes {
     /// Events that scatter into a range of directions: where photons are stored and light is gathered.
     pub const SMOOTH: Lobes = Lobes(0b0011);
     /// Events with one possible direction: both walks pass through them.
-    pub const DELTA: Lobes = Lobes(0b1100);
+    pub const DELTA: Lobes = Lobes(0b11100);
+    /// Holes: paths go through, whatever else they may do.
+    pub const HOLES: Lobes = Lobes(0b10000);
     /// All events.
-    pub const ALL: Lobes = Lobes(0b1111);
+    pub const ALL: Lobes = Lobes(0b11111);
 
     /// Whether the event is in the set.
     pub const fn contains(self, event: Event) -> bool {
@@ -47,6 +51,11 @@ impl Lobes {
     /// Whether the sets share an event.
     pub const fn meets(self, other: Lobes) -> bool {
         self.0 & other.0 != 0
+    }
+
+    /// The events that are in both sets.
+    pub const fn and(self, other: Lobes) -> Lobes {
+        Lobes(self.0 & other.0)
     }
 
     /// Whether the set is empty.

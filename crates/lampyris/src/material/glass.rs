@@ -1,6 +1,6 @@
 //! Clear dielectrics: a smooth boundary, and a thin pane.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Event, Scatter, Shares};
 use crate::math::fresnel::{self, Boundary};
@@ -34,7 +34,7 @@ impl Scatter for Glass {
         delta_shares(self.reflectance * reflected, self.transmittance * (1.0 - reflected))
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, event: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
         delta_direction(event, to_previous, &fresnel::dielectric(to_previous.z, self.ior))
     }
 }
@@ -47,7 +47,7 @@ impl Scatter for ThinGlass {
         delta_shares(self.reflectance * reflected, self.transmittance * (1.0 - reflected))
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, _: Vec2) -> Option<(Vec3, f32)> {
+    fn sample(&self, event: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
         let to_next = if event == Event::Specular { fresnel::reflect(to_previous) } else { -to_previous };
         Some((to_next, 1.0))
     }
@@ -55,7 +55,7 @@ impl Scatter for ThinGlass {
 
 /// Shares of mirrored and refracted light.
 pub(super) fn delta_shares(specular: Spectrum, refraction: Spectrum) -> Shares {
-    let mut shares = [Spectrum::ZERO; 4];
+    let mut shares = [Spectrum::ZERO; Event::ALL.len()];
     shares[Event::Specular.index()] = specular;
     shares[Event::Refraction.index()] = refraction;
     shares

@@ -4,17 +4,43 @@ mod bsdf;
 mod coefficients;
 mod delta;
 mod diffuse;
+mod diffuse_transmission;
 mod event;
 mod glass;
+mod microfacet;
+mod perturb;
+mod phong;
 mod plastic;
+mod principled;
+mod rough_conductor;
+mod rough_diffuse;
+mod rough_glass;
+mod rough_plastic;
+mod table;
+mod textured;
+mod ward;
 
 pub use bsdf::{Bsdf, MAX_PARTS, Model, Part, Scatter, Scattered, Shares, choose_event};
 pub use coefficients::Coefficients;
 pub use delta::{Conductor, Hole, Mirror};
 pub use diffuse::Diffuse;
+pub use diffuse_transmission::DiffuseTransmission;
 pub use event::{Event, Lobes};
 pub use glass::{Glass, ThinGlass};
+pub use microfacet::{MicrofacetDistribution, Microfacets};
+pub use perturb::Slopes;
+pub use phong::Phong;
 pub use plastic::Plastic;
+pub use principled::{Principled, PrincipledThin};
+pub use rough_conductor::{Metal, RoughConductor};
+pub use rough_diffuse::RoughDiffuse;
+pub use rough_glass::{BothSides, RoughGlass};
+pub use rough_plastic::RoughPlastic;
+pub use table::{Coat, Row, Table, white_reflection};
+pub use textured::{PrincipledTextures, PrincipledThinTextures, RoughTextures};
+pub use ward::{Ward, WardVariant};
+
+use glam::Vec2;
 
 use crate::spectrum::Spectrum;
 use crate::texture::{Lookup, Texture};
@@ -77,6 +103,103 @@ pub enum Material {
     },
     /// See [`Coefficients`].
     Coefficients(Coefficients),
+    /// See [`RoughConductor`].
+    RoughConductor {
+        /// Of what.
+        metal: Metal,
+        /// Tint.
+        reflectance: Texture,
+        /// How rough it is.
+        rough: RoughTextures,
+        /// What white facets reflect at once, if what they do not is given back.
+        white: Option<Table<Row>>,
+    },
+    /// See [`RoughGlass`].
+    RoughGlass {
+        /// Index below the normal over that above it.
+        ior: f32,
+        /// Tint of the reflected light.
+        reflectance: Texture,
+        /// Tint of the refracted light.
+        transmittance: Texture,
+        /// How rough it is.
+        rough: RoughTextures,
+        /// What the facets scatter at once, if what they do not is given back.
+        once: Option<Table<BothSides>>,
+    },
+    /// See [`RoughPlastic`].
+    RoughPlastic {
+        /// Colour of the base.
+        reflectance: Texture,
+        /// Tint of the reflection on the coat.
+        specular: Texture,
+        /// Index of the coat over that outside.
+        ior: f32,
+        /// How rough the coat is.
+        rough: RoughTextures,
+        /// What the coat does on average.
+        coat: Table<Coat>,
+        /// Whether inner reflections saturate the colour.
+        nonlinear: bool,
+    },
+    /// See [`RoughDiffuse`].
+    RoughDiffuse {
+        /// Share of the light that is reflected.
+        reflectance: Texture,
+        /// Roughness.
+        alpha: Texture,
+        /// The qualitative model.
+        fast: bool,
+    },
+    /// See [`DiffuseTransmission`].
+    DiffuseTransmission {
+        /// Share of the light that is reflected.
+        reflectance: Texture,
+        /// Share of the light that is transmitted.
+        transmittance: Texture,
+    },
+    /// See [`Phong`].
+    Phong {
+        /// Share that is reflected diffusely.
+        diffuse: Texture,
+        /// Share that is reflected around the mirrored direction.
+        specular: Texture,
+        /// The power of the cosine.
+        exponent: Texture,
+    },
+    /// See [`Ward`].
+    Ward {
+        /// Which normalisation.
+        variant: WardVariant,
+        /// Share that is reflected diffusely.
+        diffuse: Texture,
+        /// Share that is reflected by the Gaussian lobe.
+        specular: Texture,
+        /// Roughness along x and y.
+        alpha: Box<[Texture; 2]>,
+    },
+    /// See [`Principled`].
+    Principled(Box<PrincipledTextures>),
+    /// See [`PrincipledThin`].
+    PrincipledThin(Box<PrincipledThinTextures>),
+    /// A material whose normal a picture turns.
+    NormalMap {
+        /// (n + 1) / 2 in the frame of tangents.
+        normals: Texture,
+        /// Factor of the first two coordinates of n.
+        strength: f32,
+        /// What is turned.
+        material: MaterialId,
+    },
+    /// A material whose normal follows the slope of a height map.
+    BumpMap {
+        /// Heights.
+        height: Texture,
+        /// Their unit, in scene units.
+        scale: f32,
+        /// What is turned.
+        material: MaterialId,
+    },
     /// One material on the side of the normal, another on the back.
     TwoSided {
         /// Seen from the side of the normal.
@@ -104,13 +227,53 @@ pub enum Material {
 
 /// All materials of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Materials(Vec<Material>);
+pub struct Materials(Vec<Material>, Vec<Needs>);
+
+/// What a material asks of a surface besides its texture coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Needs {
+    tangents: bool,
+    holes: bool,
+}
 
 impl Materials {
     /// Adds a material, which may name only earlier ones, and returns its number.
     pub fn add(&mut self, material: Material) -> MaterialId {
+        let needs = self.needs(&material);
         self.0.push(material);
+        self.1.push(needs);
         (self.0.len() - 1) as MaterialId
+    }
+
+    fn needs(&self, material: &Material) -> Needs {
+        let of = |id: &MaterialId| self.1[*id as usize];
+        let both = |a: Needs, b: Needs| Needs { tangents: a.tangents || b.tangents, holes: a.holes || b.holes };
+        match material {
+            Material::TwoSided { front, back } => both(of(front), of(back)),
+            Material::Blend { first, second, .. } => both(of(first), of(second)),
+            Material::Mask { material, .. } => Needs { holes: true, ..of(material) },
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => {
+                Needs { tangents: true, ..of(material) }
+            }
+            Material::RoughConductor { rough, .. }
+            | Material::RoughGlass { rough, .. }
+            | Material::RoughPlastic { rough, .. } => Needs { tangents: rough.is_anisotropic(), ..Needs::default() },
+            Material::Ward { .. } | Material::Principled(_) | Material::PrincipledThin(_) => {
+                Needs { tangents: true, ..Needs::default() }
+            }
+            _ => Needs::default(),
+        }
+    }
+
+    /// Whether the directions of a surface's tangents make a difference to the material.
+    #[inline]
+    pub fn has_tangents(&self, id: MaterialId) -> bool {
+        self.1[id as usize].tangents
+    }
+
+    /// Whether any material has holes.
+    pub fn have_holes(&self) -> bool {
+        self.1.iter().any(|needs| needs.holes)
     }
 
     /// How many there are.
@@ -128,6 +291,7 @@ impl Materials {
         match &self.0[id as usize] {
             Material::TwoSided { front, back } => self.parts(*front).max(self.parts(*back)),
             Material::Mask { material, .. } => self.parts(*material) + 1,
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => self.parts(*material),
             Material::Blend { first, second, .. } => self.parts(*first) + self.parts(*second),
             _ => 1,
         }
@@ -136,18 +300,29 @@ impl Materials {
     /// What the material is at a point, seen from the side of the normal (`front`) or the other one. Looks all
     /// textures up.
     #[inline]
-    pub fn bsdf(&self, id: MaterialId, at: &Lookup, front: bool) -> Bsdf {
+    pub fn bsdf(&self, id: MaterialId, at: &Lookup, front: bool) -> Bsdf<'_> {
         let mut bsdf = Bsdf::empty();
         self.collect(id, at, front, 1.0, false, &mut bsdf);
         bsdf
     }
 
-    fn collect(&self, id: MaterialId, at: &Lookup, front: bool, weight: f32, flipped: bool, bsdf: &mut Bsdf) {
+    fn collect<'a>(
+        &'a self,
+        id: MaterialId,
+        at: &Lookup,
+        front: bool,
+        weight: f32,
+        flipped: bool,
+        bsdf: &mut Bsdf<'a>,
+    ) {
         let model = match &self.0[id as usize] {
             Material::TwoSided { front: material, .. } if front => {
                 return self.collect(*material, at, true, weight, flipped, bsdf);
             }
             Material::TwoSided { back, .. } => return self.collect(*back, at, true, weight, !flipped, bsdf),
+            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => {
+                return self.collect(*material, at, front, weight, flipped, bsdf);
+            }
             Material::Mask { opacity, material } => {
                 let opacity = opacity.at(at).mean();
                 self.collect(*material, at, front, weight * opacity, flipped, bsdf);
@@ -175,6 +350,43 @@ impl Materials {
                 Model::Plastic(Plastic::new(reflectance.at(at), specular.at(at), *ior, *inner_reflectance, *nonlinear))
             }
             Material::Coefficients(coefficients) => Model::Coefficients(*coefficients),
+            Material::RoughConductor { metal, reflectance, rough, white } => {
+                let facets = rough.at(at);
+                let white = white.as_ref().map(|table| table.row(facets.mean_alpha()));
+                Model::RoughConductor(RoughConductor { facets, metal, reflectance: reflectance.at(at), white })
+            }
+            Material::RoughGlass { ior, reflectance, transmittance, rough, once } => {
+                let facets = rough.at(at);
+                let once = once.as_ref().map(|table| table.row(facets.mean_alpha()));
+                let (reflectance, transmittance) = (reflectance.at(at), transmittance.at(at));
+                Model::RoughGlass(RoughGlass { facets, ior: *ior, reflectance, transmittance, once })
+            }
+            Material::RoughPlastic { reflectance, specular, ior, rough, coat, nonlinear } => {
+                let facets = rough.at(at);
+                let coat = coat.row(facets.mean_alpha());
+                let (reflectance, specular) = (reflectance.at(at), specular.at(at));
+                Model::RoughPlastic(RoughPlastic::new(reflectance, specular, facets, *ior, coat, *nonlinear))
+            }
+            Material::RoughDiffuse { reflectance, alpha, fast } => {
+                Model::RoughDiffuse(RoughDiffuse::new(reflectance.at(at), alpha.at(at).mean(), *fast))
+            }
+            Material::DiffuseTransmission { reflectance, transmittance } => {
+                let (reflectance, transmittance) = (reflectance.at(at), transmittance.at(at));
+                Model::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance })
+            }
+            Material::Phong { diffuse, specular, exponent } => Model::Phong(Phong {
+                diffuse: diffuse.at(at),
+                specular: specular.at(at),
+                exponent: exponent.at(at).mean(),
+            }),
+            Material::Ward { variant, diffuse, specular, alpha } => Model::Ward(Ward {
+                variant: *variant,
+                diffuse: diffuse.at(at),
+                specular: specular.at(at),
+                alpha: Vec2::new(alpha[0].at(at).mean(), alpha[1].at(at).mean()).max(Vec2::splat(1e-4)),
+            }),
+            Material::Principled(textures) => Model::Principled(textures.at(at)),
+            Material::PrincipledThin(textures) => Model::PrincipledThin(textures.at(at)),
         };
         bsdf.push(Part { weight, flipped, model });
     }

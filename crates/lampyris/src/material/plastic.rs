@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Event, Scatter, Shares, diffuse};
 use crate::math::fresnel;
@@ -42,7 +42,7 @@ impl Plastic {
 
 impl Scatter for Plastic {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let mut shares = [Spectrum::ZERO; 4];
+        let mut shares = [Spectrum::ZERO; Event::ALL.len()];
         if to_previous.z > 0.0 {
             let reflected = fresnel::dielectric(to_previous.z, self.ior).reflectance;
             shares[Event::Diffuse.index()] = self.base * ((1.0 - reflected) * self.escape);
@@ -67,9 +67,12 @@ impl Scatter for Plastic {
         diffuse::pdf(to_previous, to_next)
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
-        let to_next =
-            if event == Event::Specular { fresnel::reflect(to_previous) } else { diffuse::sample(to_previous, u) };
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
+        let to_next = if event == Event::Specular {
+            fresnel::reflect(to_previous)
+        } else {
+            diffuse::sample(to_previous, u.truncate())
+        };
         Some((to_next, 1.0))
     }
 }

@@ -24,6 +24,20 @@ impl Frame {
         }
     }
 
+    /// The frame around `normal`, of unit length, whose x axis lies as near as it can to `tangent`; any frame where that is
+    /// zero or along the normal.
+    pub fn along(normal: Vec3, tangent: Vec3) -> Frame {
+        match (tangent - normal * normal.dot(tangent)).try_normalize() {
+            Some(x) => Frame { x, y: normal.cross(x), normal },
+            None => Frame::around(normal),
+        }
+    }
+
+    /// The x axis, of unit length.
+    pub fn tangent(&self) -> Vec3 {
+        self.x
+    }
+
     /// A world direction in local coordinates.
     #[inline]
     pub fn to_local(&self, world: Vec3) -> Vec3 {

@@ -181,7 +181,10 @@ fn encode_mesh(mesh: &MeshData) -> Vec<u8> {
     for name in names.flat_map(|names| names.split(' ')) {
         header.push_str(&format!("property float {name}\n"));
     }
-    header.push_str(&format!("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", mesh.triangles.len()));
+    header.push_str(&format!(
+        "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        mesh.triangles.len()
+    ));
     let mut bytes = header.into_bytes();
     for vertex in 0..mesh.positions.len() {
         let vectors = lists.iter().filter_map(|(list, _)| list.get(vertex)).flatten();
@@ -214,7 +217,8 @@ mod tests {
 
     #[test]
     fn names_are_relative_to_the_new_folder() {
-        let seen = |path: &str, folder: &str| relative(Path::new(path), Path::new(folder)).to_string_lossy().into_owned();
+        let seen =
+            |path: &str, folder: &str| relative(Path::new(path), Path::new(folder)).to_string_lossy().into_owned();
         assert_eq!(seen("/a/b/../c/t.png", "/a/c"), "t.png");
         assert_eq!(seen("/a/b/t.png", "/a/c/d"), "../../b/t.png");
     }
@@ -235,7 +239,8 @@ mod tests {
                         emission = { radiance = 'wood', scale = 3 } },
                       { type = 'instance', group = 'pair', transform = [{ translate = [1, 2, 3] }, { scale = 2 }] },
                       { type = 'mesh', file = 'bunny.obj', smooth = true, name = 'bunny' }]";
-        let read = |text: &str| toml::read_str(Path::new("s.toml"), text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let read =
+            |text: &str| toml::read_str(Path::new("s.toml"), text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let first = read(text).description;
         let written = notation::text(&first).expect("a scene");
         assert_eq!(read(&written).description, first, "{written}");

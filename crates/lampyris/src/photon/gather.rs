@@ -30,17 +30,18 @@ impl Estimate<'_> {
         } else {
             point.surface.normal
         };
-        let even = point.bsdf.even(point.frame.to_local(point.to_previous));
+        let even = point.even();
         let mut sum = Spectrum::ZERO;
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;
-            if photon.bounce <= max_bounces && photon.normal.dot(normal) > SAME_SURFACE {
+            let same_surface = photon.normal.dot(normal) > SAME_SURFACE || point.bsdf.transmits();
+            if photon.bounce <= max_bounces && same_surface {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
                 let light = photon.flux * (weight / point.geometric_over_shading(to_light));
                 sum += match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
-                    None => point.eval(to_light) * light,
+                    None => point.eval_radiance(to_light) * light,
                 };
             }
         };

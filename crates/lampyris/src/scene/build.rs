@@ -70,10 +70,9 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let meter = meter(description.camera.as_ref(), &records, &surfaces)?;
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
-    Ok(Built {
-        scene: Scene { surfaces, shapes: records, materials: materials.finish(), lights, camera, meter },
-        warnings,
-    })
+    let materials = materials.finish();
+    let holes = materials.have_holes();
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera, meter }, warnings })
 }
 
 /// The number of the shape whose irradiance is measured in place of a picture.

@@ -19,7 +19,7 @@ use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
 use crate::light::{Emission, Far, Illumination, Light, LightId};
-use crate::material::{Bsdf, Lobes, MaterialId, Materials};
+use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -31,6 +31,8 @@ pub struct Scene {
     surfaces: Surfaces,
     shapes: Vec<ShapeRecord>,
     materials: Materials,
+    /// Whether any material has holes.
+    holes: bool,
     lights: Lights,
     camera: Camera,
     /// The shape whose irradiance is measured in place of a picture.
@@ -64,13 +66,15 @@ struct Lights {
 
 /// A point that a path has reached.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint {
+pub struct SurfacePoint<'s> {
     /// The geometry there.
     pub surface: Surface,
-    /// Around the shading normal.
+    /// Around the normal that shading uses, turned by the material's maps.
     pub frame: Frame,
+    /// How rough maps make the surface as a whole: α² of facets that lean as much as the normal does here, 0 without maps.
+    pub lean: f32,
     /// The scattering there.
-    pub bsdf: Bsdf,
+    pub bsdf: Bsdf<'s>,
     /// Back along the path, world coordinates, unit length.
     pub to_previous: Vec3,
     /// Along the segment that led here, scene units.
@@ -81,11 +85,62 @@ pub struct SurfacePoint {
     pub footprint: f32,
 }
 
-impl SurfacePoint {
-    /// The value of the smooth lobes in 1/sr for light between the previous point and `to_next` (world).
+impl SurfacePoint<'_> {
+    /// The value of the smooth lobes in 1/sr for flux that comes from the previous point and leaves in the direction
+    /// `to_next` (world).
     #[inline]
     pub fn eval(&self, to_next: Vec3) -> Spectrum {
-        self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next))
+        if !self.keeps_side(to_next) {
+            return Spectrum::ZERO;
+        }
+        let value = self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next));
+        value * self.unshadowed(self.to_previous)
+    }
+
+    /// The value of the smooth lobes in 1/sr for radiance that comes from the direction `to_light` (world) and leaves
+    /// towards the previous point.
+    #[inline]
+    pub fn eval_radiance(&self, to_light: Vec3) -> Spectrum {
+        if !self.keeps_side(to_light) {
+            return Spectrum::ZERO;
+        }
+        let value = self.bsdf.eval(self.frame.to_local(to_light), self.frame.to_local(self.to_previous));
+        value * self.unshadowed(to_light)
+    }
+
+    /// The value of [`SurfacePoint::eval_radiance`] where it is the same for all directions on the side of the previous
+    /// point, and zero on the other.
+    #[inline]
+    pub fn even(&self) -> Option<Spectrum> {
+        if self.lean > 0.0 { None } else { self.bsdf.even(self.frame.to_local(self.to_previous)) }
+    }
+
+    /// A direction (world) in which the path goes on by one of these lobes; see [`Bsdf::sample`].
+    #[inline]
+    pub fn sample(&self, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        let scattered = self.bsdf.sample(self.frame.to_local(self.to_previous), follow, sampler)?;
+        if scattered.event == Event::Pass {
+            return Some(Scattered { to_next: -self.to_previous, ..scattered });
+        }
+        let to_next = self.frame.to_world(scattered.to_next);
+        self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
+    }
+
+    /// Whether a direction (world) lies on the same side of the normal that maps have turned as of the one before.
+    #[inline]
+    fn keeps_side(&self, direction: Vec3) -> bool {
+        self.lean == 0.0 || self.surface.shading_normal.dot(direction) * self.frame.normal.dot(direction) > 0.0
+    }
+
+    /// Share of the light from a direction (world) that what maps only paint would not shadow if it were there
+    /// [Estevez et al. 2019].
+    #[inline]
+    pub fn unshadowed(&self, to_light: Vec3) -> f32 {
+        if self.lean == 0.0 {
+            return 1.0;
+        }
+        let cos2 = self.surface.shading_normal.dot(to_light).powi(2).clamp(1e-8, 1.0);
+        2.0 / (1.0 + (1.0 + self.lean * (1.0 - cos2) / cos2).sqrt())
     }
 
     /// Whether a direction (world) lies on the side of the shading normal on which the previous point does.
@@ -97,6 +152,9 @@ impl SurfacePoint {
     /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.
     #[inline]
     pub fn pdf(&self, to_next: Vec3, follow: Lobes) -> f32 {
+        if !self.keeps_side(to_next) {
+            return 0.0;
+        }
         self.bsdf.pdf(self.frame.to_local(self.to_previous), self.frame.to_local(to_next), follow)
     }
 
@@ -106,11 +164,11 @@ impl SurfacePoint {
         self.frame.normal.dot(direction).abs()
     }
 
-    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth normals. Light
+    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth or turned normals. Light
     /// falls on the geometry, whereas shading reckons with its own normal; whoever compares the two needs this ratio.
     #[inline]
     pub fn geometric_over_shading(&self, direction: Vec3) -> f32 {
-        if self.surface.normal == self.surface.shading_normal {
+        if self.surface.normal == self.frame.normal {
             return 1.0;
         }
         self.surface.normal.dot(direction).abs() / self.cos(direction).max(1e-4)
@@ -120,17 +178,16 @@ impl SurfacePoint {
 impl Scene {
     /// The first surface along the ray, as it is at that very point.
     #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint> {
+    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint<'_>> {
         self.closest_in_cone(ray, Cone::THIN)
     }
 
     /// The first surface along the ray, its textures as the whole cone sees them.
     #[inline]
-    pub fn closest_in_cone(&self, ray: &Ray, cone: Cone) -> Option<SurfacePoint> {
+    pub fn closest_in_cone(&self, ray: &Ray, cone: Cone) -> Option<SurfacePoint<'_>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
-        let frame = Frame::around(surface.shading_normal);
         let front = surface.shading_normal.dot(to_previous) > 0.0;
         let record = &self.shapes[hit.shape as usize];
         let lookup = match record.asks.is_none() {
@@ -139,7 +196,12 @@ impl Scene {
         };
         let bsdf = self.materials.bsdf(record.material, &lookup, front);
         let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
-        Some(SurfacePoint { surface, frame, bsdf, to_previous, distance, shape, footprint })
+        let (frame, lean) = if self.materials.has_tangents(record.material) {
+            self.turned_frame(record.material, &lookup, ray, &hit, &surface)
+        } else {
+            (Frame::around(surface.shading_normal), 0.0)
+        };
+        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, distance, shape, footprint })
     }
 
     /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's
@@ -162,19 +224,73 @@ impl Scene {
         lookup
     }
 
-    /// Whether light from `illumination` is kept from `from` by something that stands between.
+    /// The frame that the material's maps make of the one along the tangents, with [`SurfacePoint::lean`].
+    fn turned_frame(
+        &self,
+        material: MaterialId,
+        lookup: &Lookup,
+        ray: &Ray,
+        hit: &Hit,
+        surface: &Surface,
+    ) -> (Frame, f32) {
+        let (along_u, along_v) = self.surfaces.partials(hit, surface);
+        let frame = Frame::along(surface.shading_normal, along_u);
+        let slopes = Slopes { along_u: frame.to_local(along_u), along_v: frame.to_local(along_v) };
+        let view = frame.to_local(-ray.direction);
+        let normal = self.materials.normal(material, lookup, view.z > 0.0, view, &slopes);
+        if normal == Vec3::Z {
+            return (frame, 0.0);
+        }
+        let tan2 = (1.0 - normal.z * normal.z) / (normal.z * normal.z).max(1e-8);
+        // Not zero, by which turned frames are known.
+        let lean = (0.125 * tan2).clamp(f32::MIN_POSITIVE, 1.0);
+        (Frame::along(frame.to_world(normal).normalize(), frame.tangent()), lean)
+    }
+
+    /// Share of the light from `illumination` that what stands between leaves to `from`: 1, 0, or what holes let through.
     #[inline]
-    pub fn shadowed(&self, from: &Surface, illumination: &Illumination) -> bool {
+    pub fn visibility(&self, from: &Surface, illumination: &Illumination) -> f32 {
         let origin = from.offset(illumination.to_light);
         match illumination.target {
-            Some(target) => self.surfaces.occluded(origin, target),
-            None => self.surfaces.blocked(&Ray { origin, direction: illumination.to_light }, f32::INFINITY),
+            Some(target) if self.surfaces.occluded(origin, target) => self.through_holes(origin, |from| {
+                let between = target - from;
+                let distance = between.length();
+                (Ray { origin: from, direction: between / distance }, distance * (1.0 - 1e-6))
+            }),
+            None => {
+                let ray = |origin| Ray { origin, direction: illumination.to_light };
+                if self.surfaces.blocked(&ray(origin), f32::INFINITY) {
+                    self.through_holes(origin, |from| (ray(from), f32::INFINITY))
+                } else {
+                    1.0
+                }
+            }
+            _ => 1.0,
         }
     }
 
-    /// Whether anything stands between a surface and a point in free space.
-    pub fn occluded(&self, from: &Surface, to: Vec3) -> bool {
-        self.surfaces.occluded(from.offset(to - from.position), to)
+    /// Share of the light that what stands between a surface and a point in free space lets through.
+    pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
+        let to_light = to - from.position;
+        let nothing = Illumination { to_light, irradiance: Spectrum::ZERO, pdf: None, target: Some(to) };
+        self.visibility(from, &nothing)
+    }
+
+    /// Share of light that comes through holes, where it is known that something stands in its way. `rest` is the ray
+    /// that is left from a point on the way, with its length.
+    fn through_holes(&self, mut from: Vec3, rest: impl Fn(Vec3) -> (Ray, f32)) -> f32 {
+        let mut share = 1.0;
+        while self.holes && share > 0.0 {
+            let (ray, distance) = rest(from);
+            let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
+            let surface = self.surfaces.surface(&ray, &hit);
+            let front = surface.shading_normal.dot(ray.direction) < 0.0;
+            let record = &self.shapes[hit.shape as usize];
+            let lookup = self.lookup(record.asks, &hit, &surface, &ray, Cone::THIN);
+            share *= self.materials.bsdf(record.material, &lookup, front).holes();
+            from = surface.offset(ray.direction);
+        }
+        0.0
     }
 
     /// A photon of any light, chosen by power.

@@ -16,8 +16,8 @@ use toml::de::{DeArray, DeString, DeTable, DeValue};
 
 use super::schema::{Fields, Form, Node, Tagged};
 use crate::error::{Error, did_you_mean};
-pub(crate) use write::text;
 use words::{article, expected, found, listed, quoted};
+pub(crate) use write::text;
 
 /// What is wrong with a text, and which bytes of it.
 #[derive(Debug)]

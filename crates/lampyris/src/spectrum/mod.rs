@@ -5,6 +5,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 use glam::Vec4;
 
 pub mod eye;
+pub mod metals;
 mod observer;
 mod srgb;
 

@@ -19,15 +19,19 @@ pub fn direct_light(
     let Some(illumination) = scene.illuminate(point.surface.position, sampler) else {
         return Spectrum::ZERO;
     };
-    let value = point.eval(illumination.to_light);
-    if value.is_zero() || scene.shadowed(&point.surface, &illumination) {
+    let value = point.eval_radiance(illumination.to_light);
+    if value.is_zero() {
+        return Spectrum::ZERO;
+    }
+    let visibility = scene.visibility(&point.surface, &illumination);
+    if visibility <= 0.0 {
         return Spectrum::ZERO;
     }
     let weight = match (illumination.pdf, combined_with) {
         (Some(pdf), Some(follow)) => mis_weight(pdf, point.pdf(illumination.to_light, follow)),
         _ => 1.0,
     };
-    value * illumination.irradiance * (point.cos(illumination.to_light) * weight)
+    value * illumination.irradiance * (point.cos(illumination.to_light) * weight * visibility)
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

@@ -1,7 +1,7 @@
 //! The one random walk. Both ends of light call it; what differs is the visitor (theory §4.1).
 
 use super::{Origin, PathState, survive};
-use crate::material::{Lobes, Scattered};
+use crate::material::{Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 
@@ -71,24 +71,32 @@ pub fn walk<V: Visitor>(
             return Walked { end: End::Escaped, path, rays };
         };
         path.optical_length += f64::from(path.ior * point.distance);
-        let step = FIRST_STEP + 2 * path.bounce;
+        // Counted by rays, not by events: a hole is a vertex, too, whose numbers must not be used again.
+        let step = FIRST_STEP + 2 * (rays - 1);
         sampler.step(step);
         path.cone = path.cone.after(point.distance);
-        let follow = visitor.vertex(&point, &path, sampler);
+        let mut follow = visitor.vertex(&point, &path, sampler);
         if follow.is_none() {
             return Walked { end: End::Absorbed, path, rays };
         }
         if path.bounce >= limits.max_bounces {
-            return Walked { end: End::Cut, path, rays };
+            // What goes through a hole is no event, and never too many.
+            follow = follow.and(point.bsdf.lobes()).and(Lobes::HOLES);
+            if follow.is_none() {
+                return Walked { end: End::Cut, path, rays };
+            }
         }
         sampler.step(step + 1);
-        let to_previous = point.frame.to_local(point.to_previous);
-        let Some(mut scattered) = point.bsdf.sample(to_previous, follow, sampler) else {
+        let Some(scattered) = point.sample(follow, sampler) else {
             return Walked { end: End::Absorbed, path, rays };
         };
-        scattered.to_next = point.frame.to_world(scattered.to_next);
-        visitor.scattered(&scattered, &point, &path);
-        path.turn(&point, &scattered, origin);
+        if scattered.event == Event::Pass {
+            path.throughput = path.throughput * scattered.weight;
+            path.ray = point.surface.spawn(scattered.to_next);
+        } else {
+            visitor.scattered(&scattered, &point, &path);
+            path.turn(&point, &scattered, origin);
+        }
         // What refraction does to radiance by the solid angle is undone for the decision: it will be undone on the
         // way out of the glass.
         let level = match origin {
@@ -112,10 +120,13 @@ impl PathState {
         self.throughput = self.throughput * scattered.weight;
         match origin {
             // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].
-            Origin::Camera => self.throughput *= 1.0 / (scattered.ior_ratio * scattered.ior_ratio),
+            Origin::Camera => {
+                self.throughput *= point.unshadowed(scattered.to_next) / (scattered.ior_ratio * scattered.ior_ratio);
+            }
             // The adjoint of a BSDF that reckons with a shading normal [Veach 1997, eq. 5.17].
             Origin::Light => {
-                self.throughput *= point.geometric_over_shading(scattered.to_next)
+                self.throughput *= point.unshadowed(point.to_previous)
+                    * point.geometric_over_shading(scattered.to_next)
                     / point.geometric_over_shading(point.to_previous).max(1e-3);
             }
         }

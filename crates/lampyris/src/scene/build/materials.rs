@@ -2,13 +2,20 @@
 
 use std::collections::HashMap;
 
+use glam::Vec2;
+
 use super::textures::Quantity;
 use super::{check, textures};
 use crate::error::{Error, Result, did_you_mean};
-use crate::material::{Coefficients, MAX_PARTS, Material, MaterialId, Materials, Plastic};
+use crate::material::{
+    BothSides, Coat, Coefficients, MAX_PARTS, Material, MaterialId, Materials, Metal, Microfacets, Plastic,
+    PrincipledTextures, PrincipledThinTextures, RoughTextures, Table, white_reflection,
+};
 use crate::scene::Assets;
-use crate::scene::description::{Color, MaterialDescription, MaterialRef, Paint, SceneDescription};
-use crate::spectrum::Spectrum;
+use crate::scene::description::{
+    Color, MaterialDescription, MaterialRef, Paint, Principled, PrincipledThin, Roughness, SceneDescription,
+};
+use crate::spectrum::{Spectrum, metals};
 use crate::texture::{Asks, Texture};
 
 /// Resolves materials as shapes ask for them.
@@ -112,22 +119,70 @@ impl<'d> Builder<'d> {
                 reflectance: self.paint("reflectance", reflectance)?,
                 transmittance: self.paint("transmittance", transmittance)?,
             },
-            MaterialDescription::Conductor { metal: None, eta, k, reflectance, roughness: None } => {
-                Material::Conductor {
-                    eta: check::light("eta", eta.unwrap_or_default())?,
-                    k: check::light("k", k.unwrap_or_default())?,
-                    reflectance: self.paint("reflectance", reflectance)?,
+            MaterialDescription::Glass {
+                ior,
+                exterior_ior,
+                reflectance,
+                transmittance,
+                roughness: Some(roughness),
+            } => {
+                let ior = ratio(*ior, *exterior_ior)?;
+                let reflectance = self.paint("reflectance", reflectance)?;
+                let transmittance = self.paint("transmittance", transmittance)?;
+                self.rough_glass(ior, reflectance, transmittance, roughness)
+                    .map_err(|error| error.under("roughness"))?
+            }
+            MaterialDescription::Conductor { metal, eta, k, reflectance, roughness } => {
+                let (eta, k) = index(metal.as_deref(), *eta, *k)?;
+                let reflectance = self.paint("reflectance", reflectance)?;
+                match roughness {
+                    None => Material::Conductor { eta, k, reflectance },
+                    Some(roughness) => self
+                        .rough_conductor(Metal::new(eta, k), reflectance, roughness)
+                        .map_err(|error| error.under("roughness"))?,
                 }
             }
-            MaterialDescription::Plastic { reflectance, specular, ior, exterior_ior, nonlinear, roughness: None } => {
+            MaterialDescription::Plastic { reflectance, specular, ior, exterior_ior, nonlinear, roughness } => {
                 let ior = ratio(*ior, *exterior_ior)?;
-                Material::Plastic {
-                    reflectance: self.paint("reflectance", reflectance)?,
-                    specular: self.paint("specular", specular)?,
-                    ior,
-                    inner_reflectance: Plastic::inner_reflectance(ior),
-                    nonlinear: *nonlinear,
+                let (reflectance, specular) =
+                    (self.paint("reflectance", reflectance)?, self.paint("specular", specular)?);
+                let nonlinear = *nonlinear;
+                match roughness {
+                    None => {
+                        let inner_reflectance = Plastic::inner_reflectance(ior);
+                        Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear }
+                    }
+                    Some(roughness) => {
+                        let (rough, alpha) = self.rough(roughness).map_err(|error| error.under("roughness"))?;
+                        let (distribution, whole) = (roughness.distribution, roughness.multiple_scattering);
+                        let coat = Table::new(alpha, |alpha| Coat::new(distribution, alpha, ior, whole));
+                        Material::RoughPlastic { reflectance, specular, ior, rough, coat, nonlinear }
+                    }
                 }
+            }
+            MaterialDescription::RoughDiffuse { reflectance, alpha, fast } => Material::RoughDiffuse {
+                reflectance: self.paint("reflectance", reflectance)?,
+                alpha: self.amount("alpha", alpha)?,
+                fast: *fast,
+            },
+            MaterialDescription::DiffuseTransmission { reflectance, transmittance } => Material::DiffuseTransmission {
+                reflectance: self.paint("reflectance", reflectance)?,
+                transmittance: self.paint("transmittance", transmittance)?,
+            },
+            MaterialDescription::Phong { diffuse, specular, exponent } => Material::Phong {
+                diffuse: self.paint("diffuse", diffuse)?,
+                specular: self.paint("specular", specular)?,
+                exponent: self.amount("exponent", exponent)?,
+            },
+            MaterialDescription::Ward { variant, diffuse, specular, alpha_u, alpha_v } => Material::Ward {
+                variant: *variant,
+                diffuse: self.paint("diffuse", diffuse)?,
+                specular: self.paint("specular", specular)?,
+                alpha: Box::new([self.amount("alpha-u", alpha_u)?, self.amount("alpha-v", alpha_v)?]),
+            },
+            MaterialDescription::Principled(principled) => Material::Principled(Box::new(self.principled(principled)?)),
+            MaterialDescription::PrincipledThin(thin) => {
+                Material::PrincipledThin(Box::new(self.principled_thin(thin)?))
             }
             MaterialDescription::Coefficients { kd, ks, kt, ior, fresnel } => {
                 Material::Coefficients(coefficients(*kd, *ks, *kt, *ior, *fresnel)?)
@@ -146,7 +201,16 @@ impl<'d> Builder<'d> {
                 first: self.resolve(first, "first")?,
                 second: self.resolve(second, "second")?,
             },
-            _ => return Err(Error::new("this material cannot be rendered yet")),
+            MaterialDescription::NormalMap { normals, strength, material } => Material::NormalMap {
+                normals: self.textures.raw("normals", normals)?,
+                strength: check::finite("strength", *strength)?,
+                material: self.resolve(material, "material")?,
+            },
+            MaterialDescription::BumpMap { height, scale, material } => Material::BumpMap {
+                height: self.textures.named(height, "height", Quantity::Light)?,
+                scale: check::finite("scale", *scale)?,
+                material: self.resolve(material, "material")?,
+            },
         };
         let id = self.materials.add(material);
         let parts = self.materials.parts(id);
@@ -157,8 +221,103 @@ impl<'d> Builder<'d> {
         Ok(id)
     }
 
+    /// The roughness of a boundary, and its mean α if that is the same everywhere.
+    fn rough(&mut self, roughness: &'d Roughness) -> Result<(RoughTextures, Option<f32>)> {
+        let alpha_u = self.amount("alpha", &roughness.alpha)?;
+        let alpha_v = match &roughness.alpha_v {
+            Some(alpha) => Some(self.amount("alpha-v", alpha)?),
+            None => None,
+        };
+        let constant = match (&alpha_u, &alpha_v) {
+            (Texture::Constant(alpha), None) => Some(alpha.mean()),
+            (Texture::Constant(u), Some(Texture::Constant(v))) => Some((u.mean() * v.mean()).sqrt()),
+            _ => None,
+        };
+        Ok((RoughTextures { distribution: roughness.distribution, alpha_u, alpha_v }, constant))
+    }
+
+    fn rough_conductor(&mut self, metal: Metal, reflectance: Texture, roughness: &'d Roughness) -> Result<Material> {
+        let (rough, alpha) = self.rough(roughness)?;
+        let facets = |alpha: f32| Microfacets::new(roughness.distribution, Vec2::splat(alpha));
+        let white = roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| white_reflection(&facets(alpha))));
+        Ok(Material::RoughConductor { metal, reflectance, rough, white })
+    }
+
+    fn rough_glass(
+        &mut self,
+        ior: f32,
+        reflectance: Texture,
+        transmittance: Texture,
+        roughness: &'d Roughness,
+    ) -> Result<Material> {
+        let (rough, alpha) = self.rough(roughness)?;
+        // Between equal substances there is nothing to be rough, and no facet that could be found from two directions.
+        if (ior - 1.0).abs() < 1e-4 {
+            return Ok(Material::Glass { ior, reflectance, transmittance });
+        }
+        let facets = |alpha: f32| Microfacets::new(roughness.distribution, Vec2::splat(alpha));
+        let once =
+            roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| BothSides::new(&facets(alpha), ior)));
+        Ok(Material::RoughGlass { ior, reflectance, transmittance, rough, once })
+    }
+
+    fn principled(&mut self, from: &'d Principled) -> Result<PrincipledTextures> {
+        let spec_trans = self.paint("spec-trans", &from.spec_trans)?;
+        let transmits = !matches!(&spec_trans, Texture::Constant(share) if share.is_zero());
+        let eta = match from.eta {
+            Some(eta) => check::above_zero("eta", eta)?,
+            None => {
+                let specular = check::share("specular", Color::grey(from.specular))?.max();
+                let specular = if transmits { specular.max(1e-3) } else { specular };
+                2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
+            }
+        };
+        Ok(PrincipledTextures {
+            base_color: self.paint("base-color", &from.base_color)?,
+            roughness: self.paint("roughness", &from.roughness)?,
+            anisotropic: self.paint("anisotropic", &from.anisotropic)?,
+            metallic: self.paint("metallic", &from.metallic)?,
+            spec_trans,
+            transmits,
+            eta: not_one(eta, transmits),
+            spec_tint: self.paint("spec-tint", &from.spec_tint)?,
+            sheen: self.paint("sheen", &from.sheen)?,
+            sheen_tint: self.paint("sheen-tint", &from.sheen_tint)?,
+            flatness: self.paint("flatness", &from.flatness)?,
+            clearcoat: self.paint("clearcoat", &from.clearcoat)?,
+            clearcoat_gloss: self.paint("clearcoat-gloss", &from.clearcoat_gloss)?,
+        })
+    }
+
+    fn principled_thin(&mut self, from: &'d PrincipledThin) -> Result<PrincipledThinTextures> {
+        let diff_trans = self.amount("diff-trans", &from.diff_trans)?;
+        if let Texture::Constant(value) = &diff_trans
+            && value.max() > 2.0
+        {
+            return Err(Error::at_key("diff-trans", format!("diff-trans must not exceed 2, but is {}", value.max())));
+        }
+        Ok(PrincipledThinTextures {
+            base_color: self.paint("base-color", &from.base_color)?,
+            roughness: self.paint("roughness", &from.roughness)?,
+            anisotropic: self.paint("anisotropic", &from.anisotropic)?,
+            spec_trans: self.paint("spec-trans", &from.spec_trans)?,
+            eta: check::above_zero("eta", from.eta)?,
+            spec_tint: self.paint("spec-tint", &from.spec_tint)?,
+            sheen: self.paint("sheen", &from.sheen)?,
+            sheen_tint: self.paint("sheen-tint", &from.sheen_tint)?,
+            flatness: self.paint("flatness", &from.flatness)?,
+            diff_trans,
+        })
+    }
+
+    /// A paint of shares, 0 to 1.
     fn paint(&mut self, key: &str, paint: &'d Paint) -> Result<Texture> {
         self.textures.paint(key, paint, Quantity::Share)
+    }
+
+    /// A paint of numbers that may exceed 1.
+    fn amount(&mut self, key: &str, paint: &'d Paint) -> Result<Texture> {
+        self.textures.paint(key, paint, Quantity::Light)
     }
 }
 
@@ -176,6 +335,29 @@ pub(super) fn unknown<'n>(what: &str, name: &str, names: impl Iterator<Item = &'
             })
         }
     }
+}
+
+/// The complex index of refraction of a metal, by name or by numbers.
+fn index(metal: Option<&str>, eta: Option<Color>, k: Option<Color>) -> Result<(Spectrum, Spectrum)> {
+    match (metal, eta, k) {
+        (Some(name), None, None) => {
+            let (eta, k) = metals::named(name).ok_or_else(|| {
+                let error = Error::at_key("metal", format!("no metal named '{name}' is known"));
+                match did_you_mean(name, metals::METALS.iter().map(|metal| metal.0)) {
+                    Some(near) => error.with_hint(format!("did you mean '{near}'?")),
+                    None => error.with_hint("give `eta` and `k` instead"),
+                }
+            })?;
+            Ok((Spectrum::from_rgb(eta), Spectrum::from_rgb(k)))
+        }
+        (None, Some(eta), Some(k)) => Ok((check::light("eta", eta)?, check::light("k", k)?)),
+        _ => Err(Error::new("a conductor needs either `metal` or both `eta` and `k`")),
+    }
+}
+
+/// Where light passes, an index of 1 leaves no facet that could be found from two directions; nobody sees a difference.
+fn not_one(ior: f32, transmits: bool) -> f32 {
+    if transmits && (ior - 1.0).abs() < 1e-3 { 1.001 } else { ior }
 }
 
 /// Index inside over index outside.

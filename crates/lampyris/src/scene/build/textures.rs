@@ -89,15 +89,27 @@ impl<'d> Builder<'d> {
         }
         self.under_way.push(name);
         // The fault lies where the texture is written, not where it is used.
-        let texture = self.texture(texture, quantity);
+        let texture = self.texture(texture, quantity, false);
         self.under_way.pop();
         texture.map_err(|error| error.under(&format!("textures.{name}")).at_root())
     }
 
-    fn texture(&mut self, texture: &'d TextureDescription, quantity: Quantity) -> Result<Texture> {
+    /// The texture of this name, which `key` asks for; if it is a picture, its numbers are no colours, whatever it says.
+    pub(super) fn raw(&mut self, key: &str, name: &'d str) -> Result<Texture> {
+        let texture = match self.description.textures.get(name) {
+            Some(texture @ TextureDescription::Bitmap { .. }) => self
+                .texture(texture, Quantity::Share, true)
+                .map_err(|error| error.under(&format!("textures.{name}")).at_root())?,
+            _ => self.named(name, key, Quantity::Share)?,
+        };
+        self.ask(texture.asks());
+        Ok(texture)
+    }
+
+    fn texture(&mut self, texture: &'d TextureDescription, quantity: Quantity, is_raw: bool) -> Result<Texture> {
         match texture {
             TextureDescription::Bitmap { file, raw, channel, filter, wrap, wrap_v, to_uv } => {
-                let decoded = Decoded { file, raw: *raw, mip: *filter == TextureFilter::Mip, quantity };
+                let decoded = Decoded { file, raw: *raw || is_raw, mip: *filter == TextureFilter::Mip, quantity };
                 let pyramid = self.pyramid(decoded).map_err(|error| error.under("file"))?;
                 let wrap = [*wrap, wrap_v.unwrap_or(*wrap)];
                 let to_uv = planar("to-uv", to_uv)?;
