@@ -33,6 +33,8 @@ pub enum Command {
     Info(SceneArguments),
     /// Check a scene without rendering it.
     Check(SceneArguments),
+    /// Write a scene of any format as a scene file of our own.
+    Convert(ConvertArguments),
     /// Bring a picture into the range of a display.
     Tonemap(TonemapArguments),
     /// Measure how far two pictures are apart.
@@ -59,6 +61,17 @@ pub struct SceneArguments {
     /// Fail on warnings, such as a feature of the file that is not supported
     #[arg(long)]
     pub strict: bool,
+}
+
+/// What to write instead of a scene file.
+#[derive(Args, Debug)]
+pub struct ConvertArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+
+    /// The file to write, .toml; meshes and pictures that lie inside the scene file are written beside it
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
 }
 
 /// What to change in the scene.

@@ -4,6 +4,7 @@
 
 mod args;
 mod budget;
+mod convert;
 mod format;
 mod generate;
 mod image_commands;
@@ -55,6 +56,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Photons(arguments) => photons::run(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Check(arguments) => info::check(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Tonemap(arguments) => Ok(image_commands::tonemap(arguments)?),
         Command::Compare(arguments) => Ok(image_commands::compare(arguments)?),
         Command::Completions(arguments) => Ok(generate::completions(arguments.shell)?),

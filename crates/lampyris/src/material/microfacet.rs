@@ -4,12 +4,12 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::math::{erf, erf_inverse};
 
 /// A distribution of microfacet normals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MicrofacetDistribution {
     /// Trowbridge and Reitz's, with long tails [Walter et al. 2007].

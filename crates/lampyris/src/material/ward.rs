@@ -4,14 +4,14 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::microfacet::mirrored;
 use super::{Event, Scatter, Shares, diffuse};
 use crate::spectrum::Spectrum;
 
 /// Which normalisation Ward's model has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WardVariant {
     /// The original [Ward 1992].

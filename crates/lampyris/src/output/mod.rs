@@ -22,6 +22,7 @@ mod pfm;
 mod photons;
 mod png;
 mod ppm;
+mod scene;
 #[cfg(test)]
 mod tests;
 mod tga;
@@ -31,6 +32,7 @@ use std::path::Path;
 
 pub use atomic::{check_writable, write_whole};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
+pub use scene::{check_scene_path, write_scene};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;

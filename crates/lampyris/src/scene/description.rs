@@ -17,7 +17,7 @@ mod transform;
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use camera::{CameraDescription, FovAxis, Projection};
 pub use color::{Color, Paint};
@@ -34,7 +34,7 @@ pub use texture::{Channel, TextureDescription, TextureFilter, Wrap};
 pub use transform::Transform;
 
 /// A whole scene.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SceneDescription {
     /// Where we look from. A scene must have one.

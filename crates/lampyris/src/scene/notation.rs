@@ -5,6 +5,7 @@
 //! `{ x = { ... } }`, and the keys of a shape's geometry move into a table of their own.
 
 mod words;
+mod write;
 
 use std::ops::Range;
 
@@ -16,6 +17,7 @@ use toml::de::{DeArray, DeString, DeTable, DeValue};
 use super::schema::{Fields, Form, Node, Tagged};
 use crate::error::{Error, did_you_mean};
 use words::{article, expected, found, listed, quoted};
+pub(crate) use write::text;
 
 /// What is wrong with a text, and which bytes of it.
 #[derive(Debug)]

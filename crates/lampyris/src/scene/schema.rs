@@ -152,6 +152,11 @@ impl<'s> Node<'s> {
         }
     }
 
+    /// What stands here where nothing is written, if the schema says so.
+    pub(crate) fn default(self) -> Option<&'s Value> {
+        self.here.get("default")
+    }
+
     /// What may stand here.
     pub(crate) fn form(self) -> Form<'s> {
         let (name, schema) = self.resolve();

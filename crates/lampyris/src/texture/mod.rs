@@ -9,7 +9,7 @@ use std::ops::BitOr;
 
 use glam::Vec2;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use bitmap::Bitmap;
 pub use checkerboard::Checkerboard;
@@ -140,7 +140,7 @@ impl Texture {
 }
 
 /// What a texture is outside the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Wrap {
     /// The picture again.
@@ -157,7 +157,7 @@ pub enum Wrap {
 }
 
 /// How the pixels of a picture become a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TextureFilter {
     /// The nearest pixel.
@@ -170,7 +170,7 @@ pub enum TextureFilter {
 }
 
 /// What of a picture a texture takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Channel {
     /// Red, green and blue.

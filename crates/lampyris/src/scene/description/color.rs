@@ -5,6 +5,7 @@ use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::{Serialize, Serializer};
 
 use crate::spectrum::srgb_to_linear;
 
@@ -43,6 +44,15 @@ impl<'de> Deserialize<'de> for Color {
             Paint::Texture(name) => Err(de::Error::custom(format!(
                 "a texture ('{name}') cannot stand here; write a number, three numbers, or \"#rrggbb\""
             ))),
+        }
+    }
+}
+
+impl Serialize for Color {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            [r, g, b] if r == g && g == b => serializer.serialize_f32(r),
+            channels => channels.serialize(serializer),
         }
     }
 }
@@ -117,6 +127,15 @@ impl From<Color> for Paint {
 impl<'de> Deserialize<'de> for Paint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Paint, D::Error> {
         deserializer.deserialize_any(PaintVisitor)
+    }
+}
+
+impl Serialize for Paint {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Paint::Color(color) => color.serialize(serializer),
+            Paint::Texture(name) => serializer.serialize_str(name),
+        }
     }
 }
 

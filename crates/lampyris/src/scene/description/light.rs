@@ -1,12 +1,12 @@
 //! Lights as a file gives them.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Color, Transform, one};
 
 /// A light that is not a surface. Where both `intensity` and `power` may stand, give one.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum LightDescription {
@@ -136,7 +136,7 @@ pub enum LightDescription {
 }
 
 /// How a square or oblong picture covers all directions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum EnvironmentMapping {
     /// Longitude across, latitude down, +y at the top.

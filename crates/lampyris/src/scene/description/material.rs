@@ -1,13 +1,13 @@
 //! Materials as a file gives them.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Color, Paint, one};
 pub use crate::material::{MicrofacetDistribution, WardVariant};
 
 /// A material written in place or the name of one in `materials`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MaterialRef {
     /// A name in `materials`.
@@ -17,7 +17,7 @@ pub enum MaterialRef {
 }
 
 /// How a surface scatters light.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum MaterialDescription {
@@ -253,7 +253,7 @@ fn phong_exponent() -> Paint {
 }
 
 /// How rough a boundary is: the distribution of the normals of its microfacets.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Roughness {
     /// Roughness α along the first texture coordinate, and along the second too unless `alpha-v` is given
@@ -271,7 +271,7 @@ pub struct Roughness {
 }
 
 /// See [`MaterialDescription::Principled`]. All are shares from 0 to 1 but for `eta`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct Principled {
     /// The colour (default 0.5).
@@ -324,7 +324,7 @@ impl Default for Principled {
 }
 
 /// See [`MaterialDescription::PrincipledThin`]. All are shares from 0 to 1 but for `eta` and `diff_trans`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct PrincipledThin {
     /// The colour (default 0.5).

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Color, MaterialRef, Paint, Transform, one};
 use crate::geometry::MeshData;
 
 /// A surface: a geometry with its material and emission.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ShapeDescription {
     /// The geometry; in TOML its keys stand beside those of the shape.
@@ -30,7 +30,7 @@ pub struct ShapeDescription {
 }
 
 /// The emission of a surface, equal in all directions on the side of the normal: give one of the two.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct EmissionDescription {
     /// Radiance in W/(m² sr); a texture gives it point by point.
@@ -46,7 +46,7 @@ pub struct EmissionDescription {
 }
 
 /// The geometry of a shape in its own coordinates.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum GeometryDescription {

@@ -1,13 +1,13 @@
 //! Textures as a file gives them.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Paint, Transform};
 pub use crate::texture::{Channel, TextureFilter, Wrap};
 
 /// A texture: a colour that varies over a surface.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum TextureDescription {

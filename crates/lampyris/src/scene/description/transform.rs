@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use glam::{Mat4, Vec3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An affine transform. In a file: a list of steps, each applied after the one before it, of
 /// `{ translate = [x, y, z] }`, `{ scale = s }` or `{ scale = [x, y, z] }`,
@@ -24,7 +24,7 @@ impl Transform {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 enum Step {
     Translate([f32; 3]),
@@ -33,14 +33,14 @@ enum Step {
     Matrix([f32; 16]),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(untagged)]
 enum Scale {
     Uniform(f32),
     PerAxis([f32; 3]),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Rotate {
     axis: [f32; 3],
@@ -69,6 +69,13 @@ impl<'de> Deserialize<'de> for Transform {
             all = step.matrix().map_err(serde::de::Error::custom)? * all;
         }
         Ok(Transform(all))
+    }
+}
+
+impl Serialize for Transform {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let matrix = Step::Matrix(self.0.transpose().to_cols_array());
+        serializer.collect_seq((!self.is_identity()).then_some(matrix))
     }
 }
 
