@@ -31,7 +31,8 @@ const FLOORS: [(&str, u32); 22] = [
 ];
 
 /// Uses on one floor, each with its reason.
-const SIDEWAYS: [(&str, &str, &str); 5] = [
+const SIDEWAYS: [(&str, &str, &str); 6] = [
+    ("output", "import", "a scene is written with the files that lay inside its source"),
     ("light", "texture", "a projector throws a texture, and the radiance of a lamp can be one"),
     ("material", "texture", "a material looks its textures up"),
     ("import", "output", "textures are pictures, and the readers of pictures stand beside their writers"),

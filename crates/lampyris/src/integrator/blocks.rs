@@ -76,8 +76,7 @@ pub(super) fn light_pass<V: Visitor + Send>(
         let light_paths = range.end - range.start;
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
-            let number = u64::from(pass.index) * paths + index;
-            let mut sampler = Sampler::even(pass.seed, purpose::LIGHT, 0, number);
+            let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
             let Some(emission) = scene.emit(&mut sampler) else { continue };
             let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);

@@ -73,7 +73,7 @@ pub enum LightDescription {
         #[serde(default)]
         transform: Transform,
     },
-    /// The clear or hazy sky of the day, and the sun in it [Hošek & Wilkie 2012, 2013].
+    /// The clear or hazy sky of the day, and the sun in it [Hošek & Wilkie 2012].
     #[serde(rename_all = "kebab-case")]
     Sky {
         /// Where the sun stands, in the sky's own axes (+y up unless turned by `transform`).
