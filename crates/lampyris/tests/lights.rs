@@ -63,7 +63,11 @@ fn the_sky_is_sampled_with_the_density_that_it_claims() {
         let draws = 100_000;
         // Where the picture is black nothing is drawn.
         let density = |direction| {
-            if scene.background(direction).is_zero() { 0.0 } else { f64::from(scene.background_pdf(direction)) }
+            if scene.background(direction).is_zero() {
+                0.0
+            } else {
+                scene.backgrounds(direction).map(|(_, pdf)| f64::from(pdf)).sum()
+            }
         };
         let expected: Vec<f64> = integrals(density).iter().map(|share| share * f64::from(draws)).collect();
         let total: f64 = expected.iter().sum::<f64>() / f64::from(draws);

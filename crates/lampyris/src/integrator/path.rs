@@ -9,6 +9,7 @@ use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, PathSettings};
 use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, mis_weight, walk};
 
 /// See the module.
@@ -91,7 +92,12 @@ impl<S: Sink> Visitor for Look<'_, S> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        let weight = self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, self.scene.background_pdf(path.ray.direction)));
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction) * weight, path.bounce);
+        // Each light by its own density: a shadow ray to one of them brings the light of that one alone.
+        let weighted = |(radiance, of_shadow_rays): (Spectrum, f32)| {
+            radiance * self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, of_shadow_rays))
+        };
+        let lights = self.scene.backgrounds(path.ray.direction).map(weighted);
+        let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
+        self.sink.add(path.throughput * radiance, path.bounce);
     }
 }

@@ -64,7 +64,7 @@ impl Sequence {
 const UNREAD: u32 = 2 * DIMENSIONS as u32;
 
 /// Owen's scrambling of the binary digits of a number in 0..1, as a hash of the digits before each
-/// [Laine & Karras 2011, with the constants of Vegdahl 2021]. The first digit is the lowest bit.
+/// [Laine & Karras 2011], with the constants of [Vegdahl 2021]. The first digit is the lowest bit.
 fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);

@@ -345,9 +345,12 @@ impl Scene {
         self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward))
     }
 
-    /// Density per solid angle with which [`Scene::illuminate`] finds this direction of the background.
-    pub fn background_pdf(&self, toward: Vec3) -> f32 {
-        self.far_lights().map(|(index, light)| self.lights.selection.probability(index) * light.pdf(toward)).sum()
+    /// Radiance that arrives from each light infinitely far away, with the density per solid angle with which
+    /// [`Scene::illuminate`] finds that light in this direction.
+    pub fn backgrounds(&self, toward: Vec3) -> impl Iterator<Item = (Spectrum, f32)> {
+        self.far_lights().map(move |(index, light)| {
+            (light.radiance(toward), self.lights.selection.probability(index) * light.pdf(toward))
+        })
     }
 
     fn far_lights(&self) -> impl Iterator<Item = (usize, &dyn Far)> {

@@ -103,7 +103,8 @@ pub fn walk<V: Visitor>(
             Origin::Camera => path.throughput.max() * path.ior * path.ior,
             Origin::Light => path.throughput.max(),
         };
-        if path.bounce <= limits.roulette_from && level > 0.0 {
+        // A hole is no event, but it may absorb.
+        if rays <= limits.roulette_from && level > 0.0 {
             continue;
         }
         match survive(reference, level, sampler) {
