@@ -59,7 +59,7 @@ impl Importer<'_> {
         let count = self.elements(positions, &[3])?.count;
         let indices = self.indices(key, path, count)?;
         self.spend(indices.len(), path)?;
-        if key.mode == 4 && indices.len() % 3 != 0 {
+        if key.mode == 4 && !indices.len().is_multiple_of(3) {
             self.warn(path, "vertices at the end of a list that do not make a triangle are left out");
         }
         let triangles = triangles(key.mode, &indices);
