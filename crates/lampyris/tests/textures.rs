@@ -15,7 +15,7 @@ use lampyris::texture::{Curve, Raster, Texels};
 
 /// A checkerboard of 64 × 64 texels.
 fn checkerboard() -> [(&'static str, Raster); 1] {
-    let texel = |index: usize| if (index + index / 64) % 2 == 0 { 255 } else { 0 };
+    let texel = |index: usize| if (index + index / 64).is_multiple_of(2) { 255 } else { 0 };
     let texels = Texels::Bytes((0..64 * 64).map(texel).collect());
     [("checks", Raster::new(64, 64, 1, texels, Curve::Srgb).expect("texels"))]
 }

@@ -6,7 +6,7 @@
 //! LAMPYRIS_EMBREE=/path/to/libembree4.so.4    where the library is, if the system does not know
 //! ```
 
-#![allow(missing_docs, clippy::print_stdout)]
+#![allow(missing_docs, clippy::print_stdout, clippy::disallowed_methods)]
 
 #[cfg(feature = "embree")]
 mod embree;

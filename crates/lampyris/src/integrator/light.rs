@@ -134,6 +134,6 @@ impl Splat<'_> {
         let value = point.eval(to_camera) * (cos * seen.importance);
         let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
         let light = path.throughput * value * visibility;
-        (visibility > 0.0).then(|| Arrival { pixel, light, is_direct: path.bounce == 0 })
+        (visibility > 0.0).then_some(Arrival { pixel, light, is_direct: path.bounce == 0 })
     }
 }

@@ -31,7 +31,7 @@ pub fn erf_inverse(y: f32) -> f32 {
         0.005_739_507_7,
         -0.007_622_461_3,
         0.009_438_870_5,
-        1.001_674_1,
+        1.001_674,
         2.832_976_8,
     ];
     y * if w < 5.0 { polynomial(MIDDLE, w - 2.5) } else { polynomial(TAILS, w.sqrt() - 3.0) }

@@ -176,7 +176,7 @@ mod tests {
     /// Counts how many of the points fall into each box of `columns` × `rows`.
     fn counts(points: &[[u32; 2]], columns: u32, rows: u32) -> Vec<u32> {
         let mut counts = vec![0; (columns * rows) as usize];
-        let cell = |value: u32, cells: u32| (u64::from(value) * u64::from(cells) >> 32) as u32;
+        let cell = |value: u32, cells: u32| ((u64::from(value) * u64::from(cells)) >> 32) as u32;
         points.iter().for_each(|[x, y]| counts[(cell(*x, columns) * rows + cell(*y, rows)) as usize] += 1);
         counts
     }

@@ -189,7 +189,7 @@ mod tests {
 
     /// 8 × 8 squares of one texel.
     fn fine_checkerboard(filter: TextureFilter) -> Bitmap {
-        let texel = |index: usize| if (index + index / 8) % 2 == 0 { 255 } else { 0 };
+        let texel = |index: usize| if (index + index / 8).is_multiple_of(2) { 255 } else { 0 };
         bitmap(8, (0..64).map(texel).collect(), Wrap::Repeat, filter)
     }
 

@@ -45,9 +45,7 @@ impl Pyramid {
     /// The level whose texels are as wide as so many of the picture, and how far from there to the next one.
     #[inline]
     pub(super) fn level(&self, texels_across: f32) -> (usize, f32) {
-        // False for NaN, too.
-        let magnified = !(texels_across > 1.0);
-        if magnified {
+        if texels_across <= 1.0 || texels_across.is_nan() {
             return (0, 0.0);
         }
         let (level, last) = (texels_across.log2(), self.levels.len() - 1);

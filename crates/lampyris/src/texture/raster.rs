@@ -125,7 +125,7 @@ impl Raster {
 
     /// Whether there is an opacity.
     pub fn has_opacity(&self) -> bool {
-        self.channels % 2 == 0
+        self.channels.is_multiple_of(2)
     }
 
     /// How many numbers a texel has.

@@ -168,7 +168,7 @@ fn texture(text: &str) -> (Paint, Imported) {
     (reflectance.clone(), imported)
 }
 
-fn named<'a>((paint, imported): &'a (Paint, Imported)) -> &'a TextureDescription {
+fn named((paint, imported): &(Paint, Imported)) -> &TextureDescription {
     let Paint::Texture(name) = paint else { panic!("{paint:?} is no texture") };
     &imported.description.textures[name]
 }
