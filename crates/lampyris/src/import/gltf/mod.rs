@@ -1,6 +1,6 @@
 //! glTF 2.0 scene files, `.gltf` and `.glb`.
 //!
-//! The JSON becomes a [`Document`] of serde's making, whose numbers are checked where they are used. Each kind of part
+//! The JSON becomes a `Document` of serde's making, whose numbers are checked where they are used. Each kind of part
 //! has its file here that turns it into its part of the description. Errors name the part by its path in the JSON,
 //! `materials[3].normalTexture`, and give its line where the file is text.
 
