@@ -174,8 +174,8 @@ fn under_a_sheet(light: &str) -> String {
 const WAYS: [&str; 4] = [
     "integrator=path samples=64",
     "integrator=light photons=80000",
-    "integrator=photon-map photons=20000 bandwidth=fixed radius=0.1 direct=next-event samples=16",
-    "integrator=photon-map photons=20000 bandwidth=fixed radius=0.1 direct=photons samples=16",
+    "integrator=photon-map photons=40000 bandwidth=fixed radius=0.1 direct=next-event samples=16",
+    "integrator=photon-map photons=40000 bandwidth=fixed radius=0.1 direct=photons samples=16",
 ];
 
 #[test]
