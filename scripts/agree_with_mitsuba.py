@@ -4,9 +4,11 @@
     pip install mitsuba scipy
     python scripts/agree_with_mitsuba.py SCENE.xml [--size 128x128] [--samples 64] [--runs 16] [--integrator path]
 
-Where Mitsuba 3 cannot read the file, `--replace OLD NEW` and `--without NAME` (of
-parameters) edit a copy for both programs, and `--mitsuba-scene` names
-another file for Mitsuba alone. Each program renders the scene `--runs` times with different seeds; the spread of these runs gives the error of every
+Where Mitsuba 3 cannot read the file, `--replace OLD NEW` and `--without NAME` (of parameters) edit a copy for both programs,
+and `--mitsuba-scene` names another file for Mitsuba alone. `--border` lets Mitsuba draw samples beyond the film's border,
+as Lampyris does.
+
+Each program renders the scene `--runs` times with different seeds; the spread of these runs gives the error of every
 pixel's mean. Two figures are printed: the ratio of the means over the picture with its standard error, and the share of
 pixels that pass Welch's t-test with Sidak's correction at 1 %. The exit status is 0 if the means agree within 0.5 % and
 at least 99.75 % of the pixels pass.
@@ -65,6 +67,7 @@ def arguments(parser, size="128x128"):
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
     parser.add_argument("--replace", action="append", default=[], nargs=2, metavar=("OLD", "NEW"))
+    parser.add_argument("--border", action="store_true", help="set sample_border of Mitsuba's film")
     parser.add_argument("--without", action="append", default=[], metavar="NAME")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
@@ -98,6 +101,8 @@ class Agreement:
 def edited(options):
     """The scene with its replacements, among the files that lie beside it."""
     original = Path(options.scene)
+    if options.border:
+        options.replace.append(["<rfilter", '<boolean name="sample_border" value="true"/><rfilter'])
     with tempfile.TemporaryDirectory() as folder:
         if options.replace or options.without:
             for neighbour in original.resolve().parent.iterdir():

@@ -31,9 +31,9 @@ def blocks(picture):
     return picture[: rows * BLOCK, : columns * BLOCK].reshape(rows, BLOCK, columns, BLOCK, 3).swapaxes(1, 2)
 
 
-def reference(file):
+def reference(file, scale):
     """The means of the blocks of a picture and the variance of their luminance."""
-    pieces = blocks(np.array(mi.Bitmap(file).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)))
+    pieces = blocks(scale * np.array(mi.Bitmap(file).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)))
     pieces = np.where(np.isfinite(pieces).all(axis=-1, keepdims=True), pieces, np.nan)
     white = (np.indices((BLOCK, BLOCK)).sum(axis=0) % 2 == 0)[..., None]
     halves = [np.nanmean(np.where(color, pieces, np.nan), axis=(2, 3)) @ LUMINANCE for color in (white, ~white)]
@@ -58,11 +58,12 @@ def renders(options, size):
     return np.stack(pictures)
 
 
-def smooth(values):
-    """The mean over 3 x 3 neighbours."""
-    padded = np.pad(values, 1, mode="edge")
+def smooth(values, counts):
+    """The mean over those of 3 x 3 neighbours that count."""
     rows, columns = values.shape
-    return sum(padded[y : y + rows, x : x + columns] for y in range(3) for x in range(3)) / 9
+    padded = [np.pad(array, 1) for array in (np.where(counts, values, 0.0), counts.astype(float))]
+    total, number = (sum(array[y : y + rows, x : x + columns] for y in range(3) for x in range(3)) for array in padded)
+    return total / np.maximum(number, 1.0)
 
 
 def main():
@@ -77,11 +78,12 @@ def main():
     parser.add_argument("--threads", type=int, help="all by default")
     parser.add_argument("--lampyris", default="target/release/lampyris")
     parser.add_argument("--variant", default="scalar_rgb")
+    parser.add_argument("--scale", type=float, default=1.0, help="multiply the reference by this")
     parser.add_argument("--keep", help="write the blocks of ours and theirs to this .npz")
     options = parser.parse_args()
     mi.set_variant(options.variant)
 
-    theirs, their_variance = reference(options.reference)
+    theirs, their_variance = reference(options.reference, options.scale)
     runs = renders(options, (theirs.shape[1], theirs.shape[0]))
     ours, our_variance = runs.mean(axis=0), (runs @ LUMINANCE).var(axis=0, ddof=1) / len(runs)
     if options.keep:
@@ -92,7 +94,7 @@ def main():
     means = runs[:, dark].mean(axis=1)
     error = (means.std(axis=0, ddof=1) / np.sqrt(len(runs)) / means.mean(axis=0)).max()
     difference = (ours - theirs) @ LUMINANCE
-    sigma = np.sqrt(smooth(our_variance) + smooth(np.nan_to_num(their_variance)))
+    sigma = np.sqrt(smooth(our_variance, dark) + smooth(np.nan_to_num(their_variance), dark))
     mean = (theirs @ LUMINANCE)[dark].mean()
     median = np.median(((ours @ LUMINANCE) / (theirs @ LUMINANCE))[dark])
     off, noise = np.abs(difference)[dark].mean() / mean, np.sqrt(2 / np.pi) * sigma[dark].mean() / mean

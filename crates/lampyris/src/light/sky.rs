@@ -92,7 +92,7 @@ const HAZES: [f64; 10] = [0.0, 0.0099, 0.0261, 0.0530, 0.0827, 0.1049, 0.1409, 0
 
 /// In RGB Mitsuba's sun is, at all heights and in all weathers, brighter by these factors than its own spectrum is; its
 /// numbers are kept, as for the sky.
-const TO_MITSUBA: [f64; 3] = [1.0549, 1.0747, 1.0851];
+const TO_MITSUBA: [f64; 3] = [1.0549, 1.0747, 1.0893];
 
 /// Between two entries of a table over wavelength (nm), constant beyond its ends.
 fn at(table: &[f64; 11], wavelength: f64) -> f64 {
