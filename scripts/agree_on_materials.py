@@ -40,13 +40,22 @@ def checkered(name, low, high):
     return TEXTURE.format(name=f' name="{name}"', low=grey.format("color0", low), high=grey.format("color1", high))
 
 
-def bitmap(name, file):
+def bitmap(name, file, more=""):
     return (f'<texture type="bitmap" name="{name}"><string name="filename" value="{file}"/>'
-            '<boolean name="raw" value="true"/></texture>')
+            f'<boolean name="raw" value="true"/>{more}</texture>')
 
 
-def write_bumps(folder):
-    """Waves as heights, and the normals of such waves, over (u, v)."""
+def checks(name, low, high):
+    """Numbers in a chequered pattern: Mitsuba 3.9.1's `checkerboard` swaps its two where it stands for a number."""
+    return bitmap(name, f"checks-{low}-{high}.exr", '<string name="filter_type" value="nearest"/>')
+
+
+def write_pictures(folder):
+    """Chequered numbers, waves as heights, and the normals of such waves, over (u, v)."""
+    for low, high in [(0.05, 0.5), (0.1, 0.9)]:
+        row, column = np.indices((8, 12))
+        pixels = np.where((row + column) % 2, high, low)[..., None].repeat(3, axis=-1)
+        mi.Bitmap(pixels.astype(np.float32)).write(str(Path(folder) / f"checks-{low}-{high}.exr"))
     v, u = np.meshgrid(*[(np.arange(128) + 0.5) / 128 * 2 * np.pi] * 2, indexing="ij")
     heights = 0.02 * np.sin(8 * u) * np.sin(4 * v)
     slopes = 0.5 * np.cos(8 * u) * np.sin(4 * v), 0.5 * np.sin(8 * u) * np.cos(4 * v)
@@ -69,7 +78,7 @@ BSDFS = {
     "roughconductor, anisotropic":
         f'<bsdf type="roughconductor">{GOLD}<float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.4"/></bsdf>',
     "roughconductor, textured":
-        f'<bsdf type="roughconductor">{GOLD}{checkered("alpha", 0.05, 0.5)}</bsdf>',
+        f'<bsdf type="roughconductor">{GOLD}{checks("alpha", 0.05, 0.5)}</bsdf>',
     "roughdielectric 0.3 ggx": rough("roughdielectric", 0.3, "ggx"),
     "roughdielectric 0.1 beckmann": rough("roughdielectric", 0.1, "beckmann"),
     "roughplastic 0.2 ggx": rough("roughplastic", 0.2, "ggx", RED.format(name="diffuse_reflectance")),
@@ -82,7 +91,7 @@ BSDFS = {
     "principled, flat and tinted": principled(flatness=0.8, spec_tint=0.7, specular=0.8),
     "principled, transmission": principled(spec_trans=0.8, roughness=0.4),
     "principledthin": principled("principledthin", diff_trans=0.8, spec_trans=0.4, roughness=0.4),
-    "mask": f'<bsdf type="mask">{checkered("opacity", 0.1, 0.9)}<bsdf type="diffuse"/></bsdf>',
+    "mask": f'<bsdf type="mask">{checks("opacity", 0.1, 0.9)}<bsdf type="diffuse"/></bsdf>',
     "blendbsdf":
         f'<bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="diffuse"/>'
         f'{rough("roughconductor", 0.2, "ggx", GOLD)}</bsdf>',
@@ -124,7 +133,7 @@ def main():
     good = True
     mi.set_variant(options.variant)
     with tempfile.TemporaryDirectory() as folder:
-        write_bumps(folder)
+        write_pictures(folder)
         for name in chosen:
             options.scene = str(Path(folder) / "ball.xml")
             scene = SCENE.format(width=width, height=height, bsdf=BSDFS[name], floor=checkered("reflectance", 0.2, 0.6))

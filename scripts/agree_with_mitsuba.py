@@ -4,6 +4,10 @@
     pip install mitsuba scipy
     python scripts/agree_with_mitsuba.py SCENE.xml [--size 128x128] [--samples 64] [--runs 16] [--integrator path]
 
+Where Mitsuba 3 cannot read the file, `--replace OLD NEW` and `--without NAME` (of parameters) edit a copy for both programs,
+and `--mitsuba-scene` names another file for Mitsuba alone. `--border` lets Mitsuba draw samples beyond the film's border,
+as Lampyris does.
+
 Each program renders the scene `--runs` times with different seeds; the spread of these runs gives the error of every
 pixel's mean. Two figures are printed: the ratio of the means over the picture with its standard error, and the share of
 pixels that pass Welch's t-test with Sidak's correction at 1 %. The exit status is 0 if the means agree within 0.5 % and
@@ -11,9 +15,11 @@ at least 99.75 % of the pixels pass.
 """
 
 import argparse
+import re
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,9 +47,11 @@ def lampyris_runs(options, size):
             command = [options.lampyris, "render", options.scene, "-o", str(picture), "--quiet", "--seed", str(run)]
             command += ["--integrator", options.integrator, "--passes", str(options.passes or options.samples)]
             command += ["--size", f"{size[0]}x{size[1]}"]
+            if options.threads:
+                command += ["--threads", str(options.threads)]
             for setting in options.set:
                 command += ["--set", setting]
-            for pair in options.define:
+            for pair in options.define if options.scene.endswith(".xml") else []:
                 command += ["--define", pair]
             subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
             pictures.append(np.load(picture))
@@ -58,10 +66,15 @@ def arguments(parser, size="128x128"):
     parser.add_argument("--runs", type=int, default=16)
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
+    parser.add_argument("--replace", action="append", default=[], nargs=2, metavar=("OLD", "NEW"))
+    parser.add_argument("--border", action="store_true", help="set sample_border of Mitsuba's film")
+    parser.add_argument("--without", action="append", default=[], metavar="NAME")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--lampyris", default="target/release/lampyris")
+    parser.add_argument("--threads", type=int, help="of Lampyris; all by default")
     parser.add_argument("--variant", default="scalar_rgb")
+    parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures there, and take Mitsuba's from there")
     parser.add_argument("--clip", type=float, help="cut pixels at this value in every run, against fireflies")
 
 
@@ -84,10 +97,44 @@ class Agreement:
         return f"{self.ratio:.4f} ± {self.error:.4f} | {100 * self.passing:.3f} %"
 
 
+@contextmanager
+def edited(options):
+    """The scene with its replacements, among the files that lie beside it."""
+    original = Path(options.scene)
+    if options.border:
+        options.replace.append(["<rfilter", '<boolean name="sample_border" value="true"/><rfilter'])
+    with tempfile.TemporaryDirectory() as folder:
+        if options.replace or options.without:
+            for neighbour in original.resolve().parent.iterdir():
+                if neighbour.name != original.name:
+                    (Path(folder) / neighbour.name).symlink_to(neighbour)
+            text = original.read_text()
+            for old, new in options.replace:
+                if old not in text:
+                    sys.exit(f"the scene does not hold {old}")
+                text = text.replace(old, new)
+            for name in options.without:
+                text = re.sub(rf'<\w+ name="{name}"[^>]*/>', "", text)
+            options.scene = str(Path(folder) / original.name)
+            Path(options.scene).write_text(text)
+        yield options
+
+
 def compare(options):
     """Renders `options.scene` with both programs."""
+    with edited(options) as options:
+        return compare_files(options)
+
+
+def compare_files(options):
     size = tuple(int(side) for side in options.size.split("x"))
-    theirs, ours = np.stack(mitsuba_runs(options, size)), np.stack(lampyris_runs(options, size))
+    kept = Path(options.keep or "") / "mitsuba.npy"
+    theirs = np.load(kept) if options.keep and kept.exists() else np.stack(mitsuba_runs(options, size))
+    ours = np.stack(lampyris_runs(options, size))
+    if options.keep:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        np.save(kept, theirs)
+        np.save(kept.with_name("lampyris.npy"), ours)
     if options.clip:
         theirs, ours = np.minimum(theirs, options.clip), np.minimum(ours, options.clip)
     means = [pictures.mean(axis=(1, 2, 3)) for pictures in (ours, theirs)]

@@ -151,6 +151,7 @@ fn materials(table: &mut Table, description: &SceneDescription) {
         TextureDescription::VertexColor {} => format!("{name}: vertex colours"),
         TextureDescription::Product { .. } => format!("{name}: product"),
         TextureDescription::Mix { .. } => format!("{name}: mix"),
+        TextureDescription::Threshold { .. } => format!("{name}: threshold"),
     });
     table.row("textures", description.textures.len());
     table.list("", textures);

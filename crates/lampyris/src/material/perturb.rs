@@ -96,6 +96,7 @@ impl Texture {
             }
             Texture::Product(parts) => parts.iter().map(Texture::detail).fold(f32::INFINITY, f32::min),
             Texture::Mix(parts) => parts.iter().map(Texture::detail).fold(f32::INFINITY, f32::min),
+            Texture::AtMostOne(inner) | Texture::Threshold(inner, _) => inner.detail(),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Density estimation: radiance from the photons around a point (theory §5.1).
 
+use glam::Vec3;
+
 use super::{Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::scene::SurfacePoint;
 use crate::spectrum::Spectrum;
@@ -18,7 +20,20 @@ pub struct Estimate<'m> {
 /// Photons whose normal is turned away by more than this (cosine of 96°) lie on another surface: the back of a thin wall.
 /// Those of the next wall of a corner do count: they stand in for the part of the disk that the corner cuts off, where
 /// otherwise a dark line would follow every inner edge until the radius is small.
-const SAME_SURFACE: f32 = -0.1;
+const SAME_WAY: f32 = -0.1;
+
+/// Of two sheets that lie one on the other and face the same way, such as the inside of a lamp's back and the wall behind it,
+/// each sees the other from another side. On one surface, hollow or round, both see each other's front or both the back;
+/// where it swings from one to the other, they are nearly in a plane: within this share of their distance.
+const SLACK: f32 = 0.1;
+
+/// Whether light that falls on `photon` can stand for light at the point `center`, whose side towards the gatherer is `normal`.
+fn same_surface(photon: &Photon, center: Vec3, normal: Vec3) -> bool {
+    let offset = photon.position - center;
+    let (above, sees) = (offset.dot(normal), -offset.dot(photon.normal));
+    let stacked = above * sees < 0.0 && above.abs().min(sees.abs()) > SLACK * offset.length();
+    photon.normal.dot(normal) > SAME_WAY && !stacked
+}
 
 impl Estimate<'_> {
     /// Radiance that the smooth lobes at `point` reflect back along the path, of light whose photons have had at most
@@ -34,8 +49,8 @@ impl Estimate<'_> {
         let mut sum = Spectrum::ZERO;
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;
-            let same_surface = photon.normal.dot(normal) > SAME_SURFACE || point.bsdf.transmits();
-            if photon.bounce <= max_bounces && same_surface {
+            let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
+            if photon.bounce <= max_bounces && counts {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
                 let light = photon.flux * (weight / point.geometric_over_shading(to_light));
                 sum += match even {
@@ -52,5 +67,43 @@ impl Estimate<'_> {
             add(&photons[index as usize], weight);
         }
         sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Lobes;
+
+    /// Whether a photon there counts for the origin of a floor seen from above.
+    fn counts(position: Vec3, normal: Vec3) -> bool {
+        let photon = Photon {
+            position,
+            direction: -normal,
+            normal,
+            optical_length: 0.0,
+            flux: Spectrum::ONE,
+            bounce: 0,
+            history: Lobes::NONE,
+        };
+        same_surface(&photon, Vec3::ZERO, Vec3::Z)
+    }
+
+    #[test]
+    fn photons_of_a_sheet_above_or_below_do_not_count() {
+        assert!(counts(Vec3::X, Vec3::Z));
+        for height in [0.2, -0.2, 5.0, -5.0] {
+            assert!(!counts(Vec3::new(1.0, 0.0, height), Vec3::Z), "{height}");
+        }
+        assert!(!counts(Vec3::X, Vec3::NEG_Z), "the back of the floor");
+    }
+
+    #[test]
+    fn photons_beyond_an_edge_and_around_a_ball_count() {
+        assert!(counts(Vec3::new(0.5, 0.0, 2.0), Vec3::NEG_X), "a wall that stands on the floor");
+        assert!(counts(Vec3::new(0.5, 0.0, -2.0), Vec3::X), "the side of a block that the floor is the top of");
+        let around = Vec3::new(1.0, 0.0, 1.0).normalize();
+        assert!(counts(around - Vec3::Z, around), "a ball from outside");
+        assert!(counts(Vec3::Z - around, around), "a ball from inside");
     }
 }

@@ -33,6 +33,10 @@ pub enum Texture {
     Product(Box<[Texture; 2]>),
     /// A linear mix: weight of the second, the first, the second.
     Mix(Box<[Texture; 3]>),
+    /// A texture whose values above 1 are cut.
+    AtMostOne(Box<Texture>),
+    /// 1 where a texture is at least as bright as this number, 0 elsewhere, by channel.
+    Threshold(Box<Texture>, f32),
 }
 
 /// What a texture is asked for.
@@ -89,6 +93,7 @@ impl Texture {
             Texture::VertexColor => Asks { vertex_color: true, ..Asks::default() },
             Texture::Product(factors) => factors[0].asks() | factors[1].asks(),
             Texture::Mix(mix) => mix[0].asks() | mix[1].asks() | mix[2].asks(),
+            Texture::AtMostOne(inner) | Texture::Threshold(inner, _) => inner.asks(),
         }
     }
 
@@ -104,6 +109,7 @@ impl Texture {
             Texture::Checkerboard(checkerboard) => larger(checkerboard.color0.texels(), checkerboard.color1.texels()),
             Texture::Product(factors) => factors.iter().map(Texture::texels).fold([0; 2], larger),
             Texture::Mix(mix) => mix.iter().map(Texture::texels).fold([0; 2], larger),
+            Texture::AtMostOne(inner) | Texture::Threshold(inner, _) => inner.texels(),
         }
     }
 
@@ -130,6 +136,8 @@ impl Texture {
                 let rest = weight.map(|weight| 1.0 - weight);
                 first.at(lookup) * rest + second.at(lookup) * weight
             }
+            Texture::AtMostOne(inner) => inner.at(lookup).map(|value| value.min(1.0)),
+            Texture::Threshold(inner, least) => inner.at(lookup).map(|value| if value >= *least { 1.0 } else { 0.0 }),
         }
     }
 }

@@ -5,7 +5,9 @@ use super::document::{AlphaMode, Material, TextureInfo};
 use super::source::missing;
 use super::texture::uv_set;
 use crate::error::Result;
-use crate::scene::description::{Channel, Color, EmissionDescription, MaterialDescription, MaterialRef, Paint};
+use crate::scene::description::{
+    Channel, Color, EmissionDescription, MaterialDescription, MaterialRef, Paint, TextureDescription,
+};
 
 /// A material as a shape of the description has it.
 #[derive(Clone, Debug)]
@@ -128,18 +130,28 @@ impl Importer<'_> {
         let opacity = match (material.alpha_mode, texture) {
             (AlphaMode::Mask, None) => Paint::grey(if factor < cutoff { 0.0 } else { 1.0 }),
             (mode, texture) => {
-                if mode == AlphaMode::Mask {
-                    self.warn(path, "alphaMode MASK is approximated: opacity is not cut off, so that edges are soft");
-                }
                 let path = format!("{path}.pbrMetallicRoughness.baseColorTexture");
                 let texture = self.paint(texture, Channel::Alpha, false, &path)?;
-                self.product(Paint::grey(share(factor)), texture, &format!("{name}-opacity"), &path)
+                let opacity = self.product(Paint::grey(share(factor)), texture, &format!("{name}-opacity"), &path);
+                if mode == AlphaMode::Mask { self.cut_off(opacity, cutoff, name, &path) } else { opacity }
             }
         };
         Ok(match opacity {
             Paint::Color(Color([1.0, 1.0, 1.0])) => description,
             opacity => MaterialDescription::Mask { opacity, material: inline(description) },
         })
+    }
+
+    /// Opaque where `opacity` reaches `cutoff`, and a hole elsewhere.
+    fn cut_off(&mut self, opacity: Paint, cutoff: f32, name: &str, path: &str) -> Paint {
+        let least = if cutoff >= 0.0 { cutoff.min(f32::MAX) } else { 0.0 };
+        match opacity {
+            Paint::Color(Color(channels)) => Paint::grey(if channels[0] < least { 0.0 } else { 1.0 }),
+            texture => {
+                let threshold = TextureDescription::Threshold { texture, least };
+                Paint::Texture(self.named_texture(format!("{name}-holes"), threshold, path))
+            }
+        }
     }
 
     fn emission(&mut self, material: &Material, name: &str, path: &str) -> Result<Option<EmissionDescription>> {

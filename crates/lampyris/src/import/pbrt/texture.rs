@@ -92,9 +92,11 @@ impl Importer<'_> {
         Ok(self.share(found, spot))
     }
 
-    /// A paint whose factor is cut to 0..1.
+    /// A paint of shares from 0 to 1. A factor above 1 brightens a picture; what it overdoes is cut in the product, as pbrt
+    /// does.
     pub(super) fn share(&mut self, varying: Varying, spot: Spot) -> Paint {
-        let factor = varying.factor.map(|channel| channel.clamp(0.0, 1.0));
+        let most = if varying.texture.is_some() { f64::from(f32::MAX) } else { 1.0 };
+        let factor = varying.factor.map(|channel| channel.clamp(0.0, most));
         if factor != varying.factor {
             self.warn(spot, "a share of light must lie between 0 and 1: it is cut");
         }

@@ -126,15 +126,30 @@ impl<'d> Builder<'d> {
                 })))
             }
             TextureDescription::VertexColor {} => Ok(Texture::VertexColor),
-            TextureDescription::Product { first, second } => Ok(Texture::Product(Box::new([
-                self.paint("first", first, quantity)?,
-                self.paint("second", second, quantity)?,
-            ]))),
+            TextureDescription::Product { first, second } => {
+                let factors = [self.factor("first", first, quantity)?, self.factor("second", second, quantity)?];
+                let brightens = |factor: &Texture| matches!(factor, Texture::Constant(color) if color.max() > 1.0);
+                let is_over = quantity == Quantity::Share && factors.iter().any(brightens);
+                let product = Texture::Product(Box::new(factors));
+                Ok(if is_over { Texture::AtMostOne(Box::new(product)) } else { product })
+            }
             TextureDescription::Mix { weight, first, second } => Ok(Texture::Mix(Box::new([
                 self.paint("weight", weight, Quantity::Share)?,
                 self.paint("first", first, quantity)?,
                 self.paint("second", second, quantity)?,
             ]))),
+            TextureDescription::Threshold { texture, least } => {
+                let least = check::at_least_zero("least", *least)?;
+                Ok(Texture::Threshold(Box::new(self.paint("texture", texture, quantity)?), least))
+            }
+        }
+    }
+
+    /// A factor of a product. A constant may brighten what is dark; the product is what is cut.
+    fn factor(&mut self, key: &str, paint: &'d Paint, quantity: Quantity) -> Result<Texture> {
+        match (paint, quantity) {
+            (Paint::Color(_), Quantity::Share) => self.paint(key, paint, Quantity::Light),
+            _ => self.paint(key, paint, quantity),
         }
     }
 
@@ -168,9 +183,13 @@ fn planar(key: &str, transform: &Transform) -> Result<Affine2> {
 mod tests {
     use std::path::Path;
 
+    use glam::Vec2;
+
+    use super::{Builder, Quantity};
     use crate::error::Error;
     use crate::import::toml::read_str;
     use crate::scene::{NoAssets, build};
+    use crate::texture::Lookup;
 
     /// What is wrong with a scene whose one shape has the texture `a` of these.
     fn fault(textures: &str) -> Error {
@@ -218,6 +237,18 @@ mod tests {
             fault("textures = { a = { type = 'bitmap', file = 'a.png' } }").key.as_deref(),
             Some("/textures.a.file")
         );
+    }
+
+    #[test]
+    fn what_a_factor_brightens_beyond_one_is_cut() {
+        let text = "textures = { a = { type = 'product', first = [4, 1.5, 0.5], second = 'b' },
+                                 b = { type = 'checkerboard', color0 = 0.5, color1 = 0.5 },
+                                 c = { type = 'threshold', texture = 'a', least = 0.6 } }";
+        let imported = read_str(Path::new("scene.toml"), text).expect("it reads");
+        let mut builder = Builder::new(&imported.description, &NoAssets);
+        let mut at = |name| builder.named(name, "", Quantity::Share).expect("a texture").at(&Lookup::point(Vec2::ZERO));
+        assert_eq!(at("a").to_rgb(), [1.0, 0.75, 0.25]);
+        assert_eq!(at("c").to_rgb(), [1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -69,4 +69,17 @@ pub enum TextureDescription {
         /// The texture at weight 1.
         second: Paint,
     },
+    /// 1 where a texture is at least as bright as a number, 0 elsewhere, channel by channel: holes with sharp edges.
+    #[serde(rename_all = "kebab-case")]
+    Threshold {
+        /// What is compared.
+        texture: Paint,
+        /// The number, at least 0 (default 0.5).
+        #[serde(default = "half")]
+        least: f32,
+    },
+}
+
+fn half() -> f32 {
+    0.5
 }

@@ -145,6 +145,26 @@ fn alpha_makes_holes_where_the_mode_says_so() {
 }
 
 #[test]
+fn a_masks_picture_is_cut_off() {
+    let imported = with_material(json!({
+        "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.5], "baseColorTexture": { "index": 0 } } }));
+    let MaterialDescription::Mask { opacity: Paint::Texture(holes), .. } = material(&imported) else {
+        panic!("a mask")
+    };
+    let TextureDescription::Threshold { texture: Paint::Texture(product), least } =
+        &imported.description.textures[holes]
+    else {
+        panic!("a threshold")
+    };
+    assert_eq!(*least, 0.25);
+    let TextureDescription::Product { first, .. } = &imported.description.textures[product] else {
+        panic!("a product")
+    };
+    assert_eq!(*first, Paint::grey(0.5));
+}
+
+#[test]
 fn what_is_approximated_is_said() {
     for (name, extension) in [
         ("KHR_materials_clearcoat", json!({ "clearcoatFactor": 1 })),
