@@ -1,5 +1,7 @@
 //! Text files as an importer sees them: where they lie, what they say, and what line a byte is on.
 
+use std::fs::{self, File};
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -7,7 +9,7 @@ use crate::error::{Error, Place, Result};
 
 /// The folder of the scene file. Names are relative to it, so that tests can do without a file system.
 pub(super) trait Folder {
-    fn read(&self, file: &Path) -> std::io::Result<Vec<u8>>;
+    fn read(&self, file: &Path) -> io::Result<Vec<u8>>;
     fn has(&self, file: &Path) -> bool;
     /// The name to show in messages.
     fn shown(&self, file: &Path) -> PathBuf;
@@ -17,8 +19,8 @@ pub(super) trait Folder {
 pub(super) struct Disk(pub PathBuf);
 
 impl Folder for Disk {
-    fn read(&self, file: &Path) -> std::io::Result<Vec<u8>> {
-        std::fs::read(self.0.join(file))
+    fn read(&self, file: &Path) -> io::Result<Vec<u8>> {
+        read(&self.0.join(file))
     }
 
     fn has(&self, file: &Path) -> bool {
@@ -28,6 +30,26 @@ impl Folder for Disk {
     fn shown(&self, file: &Path) -> PathBuf {
         self.0.join(file)
     }
+}
+
+/// All of an ordinary file, see [`open`].
+pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    io::Read::read_to_end(&mut open(path)?, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// Opens an ordinary file. A scene may come from anyone, and what it names need not be one: to open a pipe may wait for
+/// ever, and some devices never end.
+pub(super) fn open(path: &Path) -> io::Result<File> {
+    let found = fs::metadata(path)?;
+    if found.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !found.is_file() {
+        return Err(io::Error::other("it is a pipe or a device, not a file"));
+    }
+    File::open(path)
 }
 
 /// A stretch of one of an importer's text files.
