@@ -13,7 +13,7 @@ use lampyris::integrator::Silent;
 use lampyris::output::{Format, decode, decode_texture, encode, read_layer};
 use lampyris::render::Render;
 use lampyris::scene::build;
-use lampyris::scene::description::{FilterDescription, IntegratorDescription, SceneDescription};
+use lampyris::scene::description::{CameraDescription, FilterDescription, IntegratorDescription, SceneDescription};
 use lampyris::tonemap::ToneMap;
 
 /// The readers, by the names of their fuzz targets and of the folders of their corpora.
@@ -157,7 +157,8 @@ impl Workbench {
 /// One `key = value` a line, as `--set` gives them.
 fn settings(bytes: &[u8]) -> Result<()> {
     let text = String::from_utf8_lossy(bytes);
-    let mut description = SceneDescription::default();
+    let camera = CameraDescription { target: Some([0.0; 3]), origin: [0.0, 0.0, 4.0], ..CameraDescription::default() };
+    let mut description = SceneDescription { camera: Some(camera), ..SceneDescription::default() };
     for line in text.lines() {
         if let Some((key, value)) = line.split_once('=') {
             description.set(key.trim(), value.trim())?;

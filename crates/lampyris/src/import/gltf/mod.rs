@@ -159,8 +159,9 @@ impl Importer<'_> {
     /// Warns of what stands at `path`, once for each message.
     fn warn(&mut self, path: &str, message: impl Into<String>) {
         let message = message.into();
-        if self.warned.insert(message.clone()) {
-            self.imported.warnings.push(self.spots.placed(path, Warning::new(message)));
+        if super::has_room(&self.imported.warnings) && self.warned.insert(message.clone()) {
+            let Importer { imported, spots, .. } = self;
+            super::warn(&mut imported.warnings, || spots.placed(path, Warning::new(message)));
         }
     }
 
