@@ -10,6 +10,7 @@ use glam::Vec3;
 use lampyris::error::{Error, Result};
 use lampyris::geometry::{MeshData, Ray};
 use lampyris::image::Image;
+use lampyris::material::Bsdf;
 use lampyris::scene::{Assets, build};
 use lampyris::texture::Raster;
 
@@ -96,7 +97,8 @@ fn turned_normals_scatter_as_in_mitsuba() {
             }
             let at = Vec3::new(-0.2, -0.1, 0.0);
             let ray = Ray { origin: at + previous, direction: -previous };
-            let point = lit.scene.closest(&ray).expect("the quad");
+            let mut bsdf = Bsdf::default();
+            let point = lit.scene.closest(&ray, &mut bsdf).expect("the quad");
             let value = Vec3::from(point.eval_radiance(light).to_rgb()) * point.cos(light);
             let off = (value - radiance).abs().max_element();
             let allowed = 5e-4 * radiance.abs().max_element() + 1e-5;

@@ -100,9 +100,8 @@ fn bsdf(material: &str, front: bool) -> Bsdf<'static> {
         lights = [{ type = 'constant' }]
         shapes = [{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0], material = MATERIAL }]";
     let lit = Box::leak(Box::new(lit(&text.replace("MATERIAL", &material.replace('\n', " ")), "")));
-    let z = if front { 1.0 } else { -1.0 };
-    let ray = Ray { origin: Vec3::new(0.1, 0.2, z), direction: Vec3::new(0.0, 0.0, -z) };
-    lit.scene.closest(&ray).expect("a wall").bsdf
+    let at = Lookup::point(Vec2::new(0.55, 0.6));
+    lit.scene.materials().bsdf(lit.scene.shapes()[0].material, &at, front)
 }
 
 /// A part of all directions, by (z + 1) / 2 and the azimuth over 2π, which are uniform in solid angle.
@@ -546,7 +545,8 @@ fn every_lamp_is_sampled_with_the_density_that_it_claims() {
         let scene = with_lights(&format!("shapes = [{shape}, emission = {{ radiance = 3 }} }}]"));
         let at = Vec3::from(at);
         let density = |direction: Vec3| {
-            let point = scene.closest(&Ray { origin: at, direction });
+            let mut bsdf = Bsdf::default();
+            let point = scene.closest(&Ray { origin: at, direction }, &mut bsdf);
             let lit = point.filter(|point| !scene.emitted(point).is_zero());
             lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, &point)))
         };
@@ -577,7 +577,8 @@ fn lamps_of_two_sides_are_sampled_with_the_density_that_they_claim() {
             let scene = with_lights(&format!("{textures}\nshapes = [{shape}, {emission} }}]"));
             let at = Vec3::from(at) * Vec3::new(1.0, 1.0, side);
             let density = |direction: Vec3| {
-                let lit = scene.closest(&Ray { origin: at, direction });
+                let mut bsdf = Bsdf::default();
+                let lit = scene.closest(&Ray { origin: at, direction }, &mut bsdf);
                 lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, &point)))
             };
             let draws = 40_000;
@@ -656,7 +657,8 @@ fn photons_leave_every_lamp_evenly() {
             let light = scene.lights()[0].emitter().emit(scene.surfaces(), &mut sampler).expect("a photon");
             // Look back at where it came from.
             let back = Ray { origin: light.ray.origin, direction: -light.ray.direction };
-            let Some(point) = scene.closest(&back) else { continue };
+            let mut bsdf = Bsdf::default();
+            let Some(point) = scene.closest(&back, &mut bsdf) else { continue };
             if point.distance > 1e-2 {
                 continue;
             }

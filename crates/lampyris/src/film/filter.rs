@@ -1,9 +1,10 @@
-//! Reconstruction filters, drawn from rather than weighted with: every sample lands in one pixel with weight one, so that
-//! pixels are independent of each other [Ernst et al. 2006, "Filter importance sampling"].
+//! Reconstruction filters. A wide one spreads every sample over the pixels around it, so that each pixel is the mean of
+//! many samples; a narrow one chooses where in a pixel the samples lie, and they count for that pixel alone
+//! [Ernst et al. 2006, "Filter importance sampling"].
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
-use glam::Vec2;
+use glam::{UVec2, Vec2};
 
 use crate::scene::description::{FilmDescription, FilterDescription as Filter};
 
@@ -11,8 +12,52 @@ use crate::scene::description::{FilmDescription, FilterDescription as Filter};
 const GAUSSIAN_CUT: f32 = 4.0;
 
 impl Filter {
+    /// Where a sample of a pixel lies, in pixels from its centre.
+    pub fn place(&self, u: Vec2) -> Vec2 {
+        if self.spreads() { u - 0.5 } else { self.sample(u) }
+    }
+
+    /// Whether samples are spread over pixels: where that makes the variance of a pixel less, as the filter squared has an
+    /// integral below 1.
+    pub fn spreads(&self) -> bool {
+        match *self {
+            Filter::Box { radius } => radius > 0.5,
+            Filter::Tent { radius } => radius > 2.0 / 3.0,
+            Filter::Gaussian { stddev } => 4.0 * PI * stddev * stddev > 1.0,
+        }
+    }
+
+    /// Over how many pixels in each direction a point of a pixel can be spread.
+    pub fn reach(&self) -> u32 {
+        let radius = match *self {
+            Filter::Box { radius } | Filter::Tent { radius } => radius,
+            Filter::Gaussian { stddev } => GAUSSIAN_CUT * stddev,
+        };
+        (radius - 0.5).ceil().max(0.0) as u32
+    }
+
+    /// The filter's value, of integral 1 over the plane of pixels, at this offset from its middle.
+    pub fn value(&self, offset: Vec2) -> f32 {
+        match *self {
+            Filter::Box { radius } => {
+                let inside = offset.abs().cmple(Vec2::splat(radius)).all();
+                if inside { 0.25 / (radius * radius) } else { 0.0 }
+            }
+            Filter::Tent { radius } => {
+                let tents = (1.0 - offset.abs() / radius).max(Vec2::ZERO) / radius;
+                tents.x * tents.y
+            }
+            Filter::Gaussian { stddev } => {
+                let half2 = 0.5 * offset.length_squared() / (stddev * stddev);
+                let cut = 0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT;
+                let kept = 1.0 - (-cut).exp();
+                if half2 < cut { (-half2).exp() / (TAU * stddev * stddev * kept) } else { 0.0 }
+            }
+        }
+    }
+
     /// Offset in pixels from the centre of a pixel, distributed like the filter.
-    pub fn sample(&self, u: Vec2) -> Vec2 {
+    fn sample(&self, u: Vec2) -> Vec2 {
         match *self {
             Filter::Box { radius } => (2.0 * u - 1.0) * radius,
             Filter::Tent { radius } => Vec2::new(tent(u.x), tent(u.y)) * radius,
@@ -32,6 +77,23 @@ impl FilmDescription {
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < width as f32 && at.y < height as f32;
         inside.then(|| at.y as u32 * width + at.x as u32)
     }
+
+    /// The pixels that light at a point of the picture belongs to, by number, each with the share it takes, which are 1
+    /// together but for what lies outside.
+    pub fn pixels_at(&self, at: Vec2) -> impl Iterator<Item = (u32, f32)> {
+        let reach = self.filter.reach() as f32;
+        let [width, height] = self.size.map(|side| side as f32);
+        // Far outside, and not even numbers: no pixels.
+        let near = at.x > -reach - 1.0 && at.y > -reach - 1.0 && at.x < width + reach && at.y < height + reach;
+        let middle = at.floor();
+        let first = (middle - reach).max(Vec2::ZERO).as_uvec2();
+        let last = (middle + reach + 1.0).min(Vec2::new(width, height)).max(Vec2::ZERO).as_uvec2();
+        let last = if near { last } else { first.min(UVec2::ZERO) };
+        (first.y..last.y).flat_map(move |y| (first.x..last.x).map(move |x| (x, y))).filter_map(move |(x, y)| {
+            let share = self.filter.value(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - at);
+            (share > 0.0).then_some((y * self.size[0] + x, share))
+        })
+    }
 }
 
 /// Distributed like 1 - |x| on -1..1.
@@ -43,6 +105,43 @@ fn tent(u: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::sampler::Sampler;
+
+    const FILTERS: [Filter; 6] = [
+        Filter::Box { radius: 0.5 },
+        Filter::Box { radius: 1.3 },
+        Filter::Tent { radius: 0.5 },
+        Filter::Tent { radius: 1.0 },
+        Filter::Gaussian { stddev: 0.2 },
+        Filter::Gaussian { stddev: 0.6 },
+    ];
+
+    #[test]
+    fn light_is_shared_out_among_pixels_and_none_is_lost() {
+        for filter in FILTERS {
+            let film = FilmDescription { size: [12, 12], filter };
+            // Over all places in a pixel in the middle: every pixel gets its integral, and together they get 1.
+            let (n, mut sum) = (64, 0.0);
+            for (x, y) in (0..n * n).map(|i| ((i % n) as f32 + 0.5, (i / n) as f32 + 0.5)) {
+                let at = Vec2::new(6.0, 6.0) + Vec2::new(x, y) / n as f32;
+                sum += film.pixels_at(at).map(|(_, share)| f64::from(share)).sum::<f64>();
+            }
+            let mean = sum / f64::from(n * n);
+            assert!((mean - 1.0).abs() < 0.02, "{filter:?}: {mean}");
+        }
+    }
+
+    #[test]
+    fn light_outside_reaches_pixels_at_the_edge_alone() {
+        let film = |filter| FilmDescription { size: [3, 2], filter };
+        let pixels = |filter, x, y| film(filter).pixels_at(Vec2::new(x, y)).map(|(pixel, _)| pixel).collect::<Vec<_>>();
+        let (tent, pixel) = (Filter::Tent { radius: 1.0 }, Filter::Box { radius: 0.5 });
+        assert_eq!(pixels(tent, -0.3, 0.6), [0, 3]);
+        assert_eq!(pixels(tent, 3.2, 1.9), [5]);
+        assert_eq!(pixels(pixel, 1.2, 1.7), [4]);
+        for (x, y) in [(-0.6, 1.0), (3.6, 0.0), (1.0, 1e30), (f32::NEG_INFINITY, 0.0), (f32::NAN, 1.0)] {
+            assert!(pixels(tent, x, y).is_empty(), "{x}, {y}");
+        }
+    }
 
     #[test]
     fn offsets_have_the_filters_variance() {

@@ -136,6 +136,9 @@ pub trait Sink: Default + Send {
     /// Of what was added as light of two events or more, this part had only one.
     fn was_direct(&mut self, _light: Spectrum) {}
 
+    /// Takes this share of all that was left at another one.
+    fn take(&mut self, other: &Self, share: f32);
+
     /// The sum of what was added.
     fn radiance(&self) -> Spectrum;
 
@@ -155,6 +158,11 @@ impl Sink for Plain {
     #[inline]
     fn add(&mut self, light: Spectrum, _: u32) {
         self.0 += light;
+    }
+
+    #[inline]
+    fn take(&mut self, other: &Plain, share: f32) {
+        self.0 += other.0 * share;
     }
 
     #[inline]
@@ -184,7 +192,7 @@ impl Sink for Layered {
             return;
         }
         let normal = point.frame.normal;
-        self.albedo += point.bsdf.albedo(point.frame.to_local(point.to_previous));
+        self.albedo += point.albedo();
         self.normal += if normal.dot(point.to_previous) < 0.0 { -normal } else { normal };
         self.position += point.surface.position;
         self.depth += point.distance;
@@ -202,6 +210,17 @@ impl Sink for Layered {
 
     fn was_direct(&mut self, light: Spectrum) {
         self.direct += light;
+    }
+
+    fn take(&mut self, other: &Layered, share: f32) {
+        self.radiance += other.radiance * share;
+        self.emission += other.emission * share;
+        self.direct += other.direct * share;
+        self.albedo += other.albedo * share;
+        self.normal += other.normal * share;
+        self.position += other.position * share;
+        self.depth += other.depth * share;
+        self.met += other.met * share;
     }
 
     fn radiance(&self) -> Spectrum {
@@ -222,7 +241,8 @@ impl Sink for Layered {
     }
 }
 
-/// What the layers of a pixel are made of: means over all samples of a pass. Samples that meet nothing count as 0.
+/// What the layers of a pixel are made of: means over all samples of a pass, weighted as its picture. Samples that meet
+/// nothing count as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Features {
     /// Radiance of lamps and surroundings in plain sight.
@@ -244,21 +264,24 @@ pub struct Features {
 /// A pass: its picture, and the features of its pixels if layers were asked for and the pass has them.
 #[derive(Clone, Debug)]
 pub struct Exposure {
-    /// Linear radiance.
+    /// Linear radiance: the sum of the samples with their weights, over the mean of that sum of weights over all passes.
     pub image: Image,
     /// Of each pixel, row by row, or none at all.
     pub features: Vec<Features>,
+    /// What the samples of a pixel weigh in this pass, 1 on average; none where it always is 1. A [`Film`](super::Film)
+    /// divides by the mean of the weights, which takes away the noise that they have of themselves.
+    pub weights: Vec<f32>,
 }
 
 impl From<Image> for Exposure {
     fn from(image: Image) -> Exposure {
-        Exposure { image, features: Vec::new() }
+        Exposure { image, features: Vec::new(), weights: Vec::new() }
     }
 }
 
 impl Exposure {
     /// Adds radiance to a pixel.
-    pub fn splat(&mut self, pixel: usize, light: Spectrum, is_direct: bool) {
+    pub fn add(&mut self, pixel: usize, light: Spectrum, is_direct: bool) {
         let add = |sum: &mut [f32; 3]| *sum = (Spectrum::from_rgb(*sum) + light).to_rgb();
         add(&mut self.image.pixels_mut()[pixel]);
         if let Some(features) = self.features.get_mut(pixel).filter(|_| is_direct) {
@@ -339,11 +362,18 @@ impl LayerSums {
         }
     }
 
-    /// The values of a layer, if it was asked for and there are any; `pictures` are the sums of the picture over as many `passes`.
-    pub(super) fn values(&self, layer: Layer, pictures: &[[f64; 3]], passes: f64) -> Option<Vec<[f32; 3]>> {
+    /// The values of a layer, if it was asked for and there are any; `pictures` are the sums of the picture, and `weight`
+    /// says by what the sums of a pixel are divided.
+    pub(super) fn values(
+        &self,
+        layer: Layer,
+        pictures: &[[f64; 3]],
+        weight: impl Fn(usize) -> f64,
+    ) -> Option<Vec<[f32; 3]>> {
         let sums = |feature: Feature| Some(&self.sums.iter().find(|(each, _)| *each == feature)?.1);
         let mean = |feature: Feature| {
-            Some(sums(feature)?.iter().map(|sum| sum.map(|value| (value / passes) as f32)).collect::<Vec<_>>())
+            let mean = |(pixel, sum): (usize, &[f64; 3])| sum.map(|value| (value / weight(pixel)) as f32);
+            Some(sums(feature)?.iter().enumerate().map(mean).collect::<Vec<_>>())
         };
         if !self.layers.contains(layer) || !self.has_any {
             return None;
@@ -365,10 +395,11 @@ impl LayerSums {
             }
             Layer::Indirect => {
                 let parts = sums(Feature::Direct)?.iter().zip(sums(Feature::Emission)?);
-                let rest = |(all, (direct, emission)): (&[f64; 3], (&[f64; 3], &[f64; 3]))| {
-                    std::array::from_fn(|c| ((all[c] - direct[c] - emission[c]) / passes) as f32)
+                let rest = |pixel: usize, all: &[f64; 3], direct: &[f64; 3], emission: &[f64; 3]| {
+                    std::array::from_fn(|c| ((all[c] - direct[c] - emission[c]) / weight(pixel)) as f32)
                 };
-                Some(pictures.iter().zip(parts).map(rest).collect())
+                let all = pictures.iter().zip(parts).enumerate();
+                Some(all.map(|(pixel, (all, (direct, emission)))| rest(pixel, all, direct, emission)).collect())
             }
         }
     }
@@ -402,7 +433,7 @@ mod tests {
         for _ in 0..3 {
             sums.add(&[half, Features::default()]);
         }
-        let values = |layer| sums.values(layer, &[[0.0; 3]; 2], 3.0).expect("asked for");
+        let values = |layer| sums.values(layer, &[[0.0; 3]; 2], |_| 3.0).expect("asked for");
         assert_eq!(values(Layer::Depth), [[4.0; 3], [f32::INFINITY; 3]]);
         assert_eq!(values(Layer::Position), [[2.0, 0.0, -4.0], [0.0; 3]]);
     }

@@ -10,10 +10,10 @@ pub(super) struct Flat {
     pub(super) origin: Vec3,
     pub(super) u: Vec3,
     pub(super) v: Vec3,
-    normal: Vec3,
+    pub(super) normal: Vec3,
     /// Vectors in the plane whose dot product with a·u + b·v is a or b.
-    dual_u: Vec3,
-    dual_v: Vec3,
+    pub(super) dual_u: Vec3,
+    pub(super) dual_v: Vec3,
     error: f32,
 }
 

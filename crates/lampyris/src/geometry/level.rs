@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::bvh::{Best, BoxRay, Kernel, LANES, Leaf, Leaves, Packet, Pages, Reference, Tree, TriangleRay};
-use super::{Bounds, Mesh, RELATIVE_ERROR, Ray};
+use super::bvh::{
+    Best, BoxRay, Isa, Kernel, LANES, Leaf, Leaves, Packet, Pages, QuadPacket, Reference, Tree, TriangleRay,
+};
+use super::{Bounds, Mesh, Quad, RELATIVE_ERROR, Ray};
 use glam::{Vec2, Vec3};
 
 /// Up to this many curved and flat shapes are tried one after the other, which is faster than a tree.
@@ -21,6 +23,9 @@ pub(super) enum Item {
 /// Items and triangles, ready for rays.
 #[derive(Debug)]
 pub(super) struct Level {
+    /// Parallelograms that every ray tries, if they are few.
+    quads: Vec<QuadPacket>,
+    isa: Isa,
     /// Items that every ray tries: the infinite ones, and all if there are few.
     tried: Vec<Item>,
     /// The other items, by leaf.
@@ -56,6 +61,9 @@ pub(super) trait Items {
 
     /// Whether the item is met before `max`.
     fn any(&self, item: Item, max: f32) -> bool;
+
+    /// Remembers a shape that is met at this distance.
+    fn found(&mut self, shape: u32, distance: f32);
 }
 
 /// How much there is of what, and how good the tree over triangles is.
@@ -73,13 +81,19 @@ pub struct TreeStatistics {
 }
 
 impl Level {
-    /// From items with their boxes, none for infinite ones, and meshes with the numbers of their shapes.
-    pub(super) fn build(items: &[(Item, Option<Bounds>)], meshes: &[(u32, &Mesh)]) -> Level {
-        let finite: Vec<(Item, Bounds)> =
+    /// From items with their boxes, none for infinite ones, and parallelograms and meshes with the numbers of their shapes.
+    pub(super) fn build(items: &[(Item, Option<Bounds>)], quads: &[(u32, Quad)], meshes: &[(u32, &Mesh)]) -> Level {
+        let mut finite: Vec<(Item, Bounds)> =
             items.iter().filter_map(|&(item, bounds)| Some((item, bounds?))).filter(|(_, b)| !b.is_empty()).collect();
         let infinite = items.iter().filter(|(_, bounds)| bounds.is_none()).map(|&(item, _)| item);
         let mut tried: Vec<Item> = infinite.collect();
-        let around = finite.iter().fold(Bounds::EMPTY, |around, &(_, bounds)| around.union(bounds));
+        let few_quads = quads.len() <= FEW;
+        let bounded_quads = quads.iter().map(|(shape, quad)| (Item::Shape(*shape), quad.bounds()));
+        let around_quads = bounded_quads.clone().fold(Bounds::EMPTY, |around, (_, bounds)| around.union(bounds));
+        if !few_quads {
+            finite.extend(bounded_quads);
+        }
+        let around = finite.iter().fold(around_quads, |around, &(_, bounds)| around.union(bounds));
         let bounds = meshes.iter().fold(around, |around, (_, mesh)| around.union(mesh.bounds()));
         let mut tree = None;
         if finite.len() > FEW {
@@ -87,7 +101,8 @@ impl Level {
         } else {
             tried.extend(finite.iter().map(|&(item, _)| item));
         }
-        Level { tried, items: tree, triangles: Triangles::build(meshes), bounds }
+        let quads = if few_quads { QuadPacket::of(quads) } else { Vec::new() };
+        Level { quads, isa: Isa::best(), tried, items: tree, triangles: Triangles::build(meshes), bounds }
     }
 
     /// The box around all that is finite.
@@ -99,6 +114,12 @@ impl Level {
     #[inline]
     pub(super) fn closest(&self, ray: &Ray, max: f32, items: &mut impl Items) -> Option<TriangleHit> {
         let mut max = max;
+        for packet in &self.quads {
+            if let Some((distance, shape)) = packet.closest(self.isa, ray, max) {
+                items.found(shape, distance);
+                max = distance;
+            }
+        }
         for &item in &self.tried {
             max = items.closest(item, max).unwrap_or(max);
         }
@@ -117,7 +138,9 @@ impl Level {
     /// Whether anything is met before `max`.
     #[inline]
     pub(super) fn any(&self, ray: &Ray, max: f32, items: &mut impl Items) -> bool {
-        if self.tried.iter().any(|&item| items.any(item, max)) {
+        if self.quads.iter().any(|packet| packet.any(self.isa, ray, max))
+            || self.tried.iter().any(|&item| items.any(item, max))
+        {
             return true;
         }
         if self.items.is_none() && self.triangles.is_none() {
@@ -137,6 +160,7 @@ impl Level {
 
     #[cfg(test)]
     pub(super) fn make_portable(&mut self) {
+        self.isa = Isa::portable();
         let trees = self.items.iter_mut().map(|(tree, _)| tree);
         trees.chain(self.triangles.iter_mut().map(|triangles| &mut triangles.tree)).for_each(Tree::make_portable);
     }

@@ -15,6 +15,10 @@ impl Quad {
         Quad(Flat::new(corner, u, v))
     }
 
+    pub(super) fn flat(&self) -> &Flat {
+        &self.0
+    }
+
     /// Distance to the quad along the ray, if it is met before `max`.
     #[inline]
     pub fn intersect(&self, ray: &Ray, max: f32) -> Option<f32> {

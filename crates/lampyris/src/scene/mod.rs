@@ -74,9 +74,11 @@ pub struct SurfacePoint<'s> {
     /// How rough maps make the surface as a whole: α² of facets that lean as much as the normal does here, 0 without maps.
     pub lean: f32,
     /// The scattering there.
-    pub bsdf: Bsdf<'s>,
+    pub bsdf: &'s Bsdf<'s>,
     /// Back along the path, world coordinates, unit length.
     pub to_previous: Vec3,
+    /// The same in the coordinates of `frame`.
+    local_previous: Vec3,
     /// Along the segment that led here, scene units.
     pub distance: f32,
     /// The number of the shape.
@@ -86,6 +88,11 @@ pub struct SurfacePoint<'s> {
 }
 
 impl SurfacePoint<'_> {
+    /// The share of the light back along the path that is not absorbed; see [`Bsdf::albedo`].
+    pub fn albedo(&self) -> Spectrum {
+        self.bsdf.albedo(self.local_previous)
+    }
+
     /// The value of the smooth lobes in 1/sr for flux that comes from the previous point and leaves in the direction
     /// `to_next` (world).
     #[inline]
@@ -93,7 +100,7 @@ impl SurfacePoint<'_> {
         if !self.keeps_side(to_next) {
             return Spectrum::ZERO;
         }
-        let value = self.bsdf.eval(self.frame.to_local(self.to_previous), self.frame.to_local(to_next));
+        let value = self.bsdf.eval(self.local_previous, self.frame.to_local(to_next));
         value * self.unshadowed(self.to_previous)
     }
 
@@ -104,7 +111,7 @@ impl SurfacePoint<'_> {
         if !self.keeps_side(to_light) {
             return Spectrum::ZERO;
         }
-        let value = self.bsdf.eval(self.frame.to_local(to_light), self.frame.to_local(self.to_previous));
+        let value = self.bsdf.eval(self.frame.to_local(to_light), self.local_previous);
         value * self.unshadowed(to_light)
     }
 
@@ -112,13 +119,13 @@ impl SurfacePoint<'_> {
     /// point, and zero on the other.
     #[inline]
     pub fn even(&self) -> Option<Spectrum> {
-        if self.lean > 0.0 { None } else { self.bsdf.even(self.frame.to_local(self.to_previous)) }
+        if self.lean > 0.0 { None } else { self.bsdf.even(self.local_previous) }
     }
 
     /// A direction (world) in which the path goes on by one of these lobes; see [`Bsdf::sample`].
     #[inline]
     pub fn sample(&self, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
-        let scattered = self.bsdf.sample(self.frame.to_local(self.to_previous), follow, sampler)?;
+        let scattered = self.bsdf.sample(self.local_previous, follow, sampler)?;
         if scattered.event == Event::Pass {
             return Some(Scattered { to_next: -self.to_previous, ..scattered });
         }
@@ -155,7 +162,7 @@ impl SurfacePoint<'_> {
         if !self.keeps_side(to_next) {
             return 0.0;
         }
-        self.bsdf.pdf(self.frame.to_local(self.to_previous), self.frame.to_local(to_next), follow)
+        self.bsdf.pdf(self.local_previous, self.frame.to_local(to_next), follow)
     }
 
     /// Cosine between a direction and the shading normal, positive on both sides.
@@ -176,15 +183,22 @@ impl SurfacePoint<'_> {
 }
 
 impl Scene {
-    /// The first surface along the ray, as it is at that very point.
+    /// The first surface along the ray, as it is at that very point. Its scattering function is made in `bsdf`, as in
+    /// [`Scene::closest_in_cone`].
     #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<SurfacePoint<'_>> {
-        self.closest_in_cone(ray, Cone::THIN)
+    pub fn closest<'s, 'b>(&'s self, ray: &Ray, bsdf: &'b mut Bsdf<'s>) -> Option<SurfacePoint<'b>> {
+        self.closest_in_cone(ray, Cone::THIN, bsdf)
     }
 
-    /// The first surface along the ray, its textures as the whole cone sees them.
+    /// The first surface along the ray, its textures as the whole cone sees them. Its scattering function is made in
+    /// `bsdf`, whatever was there before: it is large, and a walk makes them one after the other in the same place.
     #[inline]
-    pub fn closest_in_cone(&self, ray: &Ray, cone: Cone) -> Option<SurfacePoint<'_>> {
+    pub fn closest_in_cone<'s, 'b>(
+        &'s self,
+        ray: &Ray,
+        cone: Cone,
+        bsdf: &'b mut Bsdf<'s>,
+    ) -> Option<SurfacePoint<'b>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
@@ -194,14 +208,15 @@ impl Scene {
             true => Lookup::point(surface.uv),
             false => self.lookup(record.asks, &hit, &surface, ray, cone),
         };
-        let bsdf = self.materials.bsdf(record.material, &lookup, front);
+        self.materials.make_bsdf(record.material, &lookup, front, bsdf);
         let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
         let (frame, lean) = if self.materials.has_tangents(record.material) {
             self.turned_frame(record.material, &lookup, ray, &hit, &surface)
         } else {
             (Frame::around(surface.shading_normal), 0.0)
         };
-        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, distance, shape, footprint })
+        let local_previous = frame.to_local(to_previous);
+        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, local_previous, distance, shape, footprint })
     }
 
     /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's

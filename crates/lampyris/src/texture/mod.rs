@@ -112,6 +112,14 @@ impl Texture {
     pub fn at(&self, lookup: &Lookup) -> Spectrum {
         match self {
             Texture::Constant(color) => *color,
+            _ => self.varying(lookup),
+        }
+    }
+
+    /// [`Texture::at`] of textures that are not the same everywhere.
+    fn varying(&self, lookup: &Lookup) -> Spectrum {
+        match self {
+            Texture::Constant(color) => *color,
             Texture::Bitmap(bitmap) => bitmap.at(lookup),
             Texture::Checkerboard(checkerboard) => checkerboard.at(lookup),
             Texture::VertexColor => lookup.vertex_color,

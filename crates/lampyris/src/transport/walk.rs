@@ -1,7 +1,7 @@
 //! The one random walk. Both ends of light call it; what differs is the visitor (theory §4.1).
 
 use super::{Origin, PathState, survive};
-use crate::material::{Event, Lobes, Scattered};
+use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 
@@ -64,9 +64,10 @@ pub fn walk<V: Visitor>(
 ) -> Walked {
     let reference = path.throughput.max();
     let mut rays = 0;
+    let mut bsdf = Bsdf::default();
     loop {
         rays += 1;
-        let Some(point) = scene.closest_in_cone(&path.ray, path.cone) else {
+        let Some(point) = scene.closest_in_cone(&path.ray, path.cone, &mut bsdf) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };

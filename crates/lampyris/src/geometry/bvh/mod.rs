@@ -9,6 +9,7 @@ mod kernel;
 mod packet;
 mod pages;
 mod portable;
+mod quads;
 mod traverse;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -22,6 +23,7 @@ pub(super) use packet::{Best, Packet, TriangleRay};
 pub(super) use pages::Pages;
 #[cfg(test)]
 pub(super) use portable::Portable;
+pub(super) use quads::QuadPacket;
 pub(super) use traverse::{BoxRay, Leaves};
 
 /// Boxes of a node.
@@ -96,7 +98,7 @@ impl Tree {
 
     #[cfg(test)]
     pub(super) fn make_portable(&mut self) {
-        self.isa = Isa::Portable(portable::Portable);
+        self.isa = Isa::portable();
     }
 
     /// The bytes that its nodes take.

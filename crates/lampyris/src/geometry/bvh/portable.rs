@@ -2,8 +2,10 @@
 
 use super::kernel::Kernel;
 use super::packet::{Lanes, Packet, TriangleRay};
+use super::quads::QuadPacket;
 use super::traverse::{BoxRay, STRETCH};
 use super::{LANES, Node, WIDTH};
+use crate::geometry::Ray;
 
 /// Lane after lane.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +65,25 @@ impl Kernel for Portable {
             }
         }
         (lanes.met != 0).then_some(lanes)
+    }
+
+    #[inline(always)]
+    fn quads(self, packet: &QuadPacket, ray: &Ray, limit: f32) -> (u32, [f32; WIDTH]) {
+        let dot = |rows: &[[f32; WIDTH]; 3], lane: usize, [x, y, z]: [f32; 3]| {
+            rows[0][lane] * x + rows[1][lane] * y + rows[2][lane] * z
+        };
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let (mut met, mut distances) = (0, [0.0; WIDTH]);
+        for (lane, place) in distances.iter_mut().enumerate() {
+            let to_origin = [0, 1, 2].map(|axis| packet.origin[axis][lane] - origin[axis]);
+            let distance = dot(&packet.normal, lane, to_origin) / dot(&packet.normal, lane, direction);
+            let point = [0, 1, 2].map(|axis| direction[axis] * distance - to_origin[axis]);
+            let (a, b) = (dot(&packet.dual_u, lane, point), dot(&packet.dual_v, lane, point));
+            let inside = (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b);
+            met |= u32::from(distance > 0.0 && distance < limit && inside) << lane;
+            *place = distance;
+        }
+        (met, distances)
     }
 
     #[inline(always)]

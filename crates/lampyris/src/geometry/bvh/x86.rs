@@ -9,8 +9,10 @@ use std::arch::x86_64::*;
 
 use super::kernel::Kernel;
 use super::packet::{Lanes, Packet, TriangleRay};
+use super::quads::QuadPacket;
 use super::traverse::{self, BoxRay, Leaves, STRETCH};
 use super::{LANES, Node, WIDTH};
+use crate::geometry::Ray;
 
 /// Proof that the processor has AVX2, BMI1 and BMI2.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +72,12 @@ impl Kernel for Avx2 {
     fn triangles(self, packet: &Packet, ray: &TriangleRay, limit: f32) -> Option<Lanes> {
         // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
         unsafe { triangles(packet, ray, limit) }
+    }
+
+    #[inline(always)]
+    fn quads(self, packet: &QuadPacket, ray: &Ray, limit: f32) -> (u32, [f32; WIDTH]) {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { quads(packet, ray, limit) }
     }
 
     #[inline(always)]
@@ -157,4 +165,28 @@ fn triangles(packet: &Packet, ray: &TriangleRay, limit: f32) -> Option<Lanes> {
     let ahead = _mm_and_ps(_mm_cmpgt_ps(distance, zero), _mm_cmple_ps(distance, _mm_set1_ps(limit)));
     let met = _mm_movemask_ps(_mm_and_ps(inside, ahead)) as u32;
     (met != 0).then(|| Lanes { met, distance: floats4(distance), barycentric: [floats4(v), floats4(w)] })
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn quads(packet: &QuadPacket, ray: &Ray, limit: f32) -> (u32, [f32; WIDTH]) {
+    let dot = |rows: &[[f32; WIDTH]; 3], [x, y, z]: [__m256; 3]| {
+        let xy = _mm256_add_ps(_mm256_mul_ps(row8(&rows[0]), x), _mm256_mul_ps(row8(&rows[1]), y));
+        _mm256_add_ps(xy, _mm256_mul_ps(row8(&rows[2]), z))
+    };
+    let direction = ray.direction.to_array().map(|coordinate| _mm256_set1_ps(coordinate));
+    let to_origin = [0, 1, 2].map(|axis| _mm256_sub_ps(row8(&packet.origin[axis]), _mm256_set1_ps(ray.origin[axis])));
+    let distance = _mm256_div_ps(dot(&packet.normal, to_origin), dot(&packet.normal, direction));
+    let point = [0, 1, 2].map(|axis| _mm256_sub_ps(_mm256_mul_ps(direction[axis], distance), to_origin[axis]));
+    let (zero, one) = (_mm256_setzero_ps(), _mm256_set1_ps(1.0));
+    let within = |x: __m256| _mm256_and_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(x, zero), _mm256_cmp_ps::<_CMP_LE_OQ>(x, one));
+    let inside = _mm256_and_ps(within(dot(&packet.dual_u, point)), within(dot(&packet.dual_v, point)));
+    let ahead = _mm256_and_ps(
+        _mm256_cmp_ps::<_CMP_GT_OQ>(distance, zero),
+        _mm256_cmp_ps::<_CMP_LT_OQ>(distance, _mm256_set1_ps(limit)),
+    );
+    let mut floats = [0.0; WIDTH];
+    // SAFETY: eight floats are what is stored.
+    unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), distance) };
+    (_mm256_movemask_ps(_mm256_and_ps(inside, ahead)) as u32, floats)
 }

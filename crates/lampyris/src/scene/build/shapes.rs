@@ -270,6 +270,7 @@ fn cube() -> MeshData {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Bsdf;
 
     #[test]
     fn all_faces_of_the_cube_point_out() {
@@ -325,7 +326,8 @@ mod tests {
         let scene = scene(&format!("{PAIR}{two}")).expect("a good scene");
         let seen = |x: f32, y: f32| {
             let ray = crate::geometry::Ray { origin: Vec3::new(x, y, 5.0), direction: Vec3::NEG_Z };
-            let point = scene.closest(&ray)?;
+            let mut bsdf = Bsdf::default();
+            let point = scene.closest(&ray, &mut bsdf)?;
             Some((point.shape, point.distance, point.surface.normal, point.eval(Vec3::Z).to_rgb().map(|x| x > 0.0)))
         };
         let (red, green) = ([true, false, false], [false, true, false]);
