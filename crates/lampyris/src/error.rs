@@ -145,9 +145,12 @@ pub type Warning = Error;
 
 /// `; did you mean 'x'?` material: the candidate nearest to `word`, if one is near.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // To compare two words takes the product of their lengths, and nobody mistypes a page.
+    // To compare two words takes the product of their lengths, and nobody mistypes a page; and a file may ask for
+    // thousands of names that it does not have among thousands that it has.
     const LONGEST: usize = 100;
-    let candidates = candidates.into_iter().filter(|candidate| word.len() <= LONGEST && candidate.len() <= LONGEST);
+    const MOST: usize = 1000;
+    let candidates = candidates.into_iter().take(if word.len() <= LONGEST { MOST } else { 0 });
+    let candidates = candidates.filter(|candidate| candidate.len() <= LONGEST);
     candidates
         .map(|candidate| {
             // The first measure knows common beginnings, the second swapped letters.
