@@ -1,6 +1,9 @@
 //! Files that want to do harm, and those that the fuzzer starts from: whatever a file says, a reader answers with a scene
 //! or a sentence.
 
+// A test tells what it left out, and what it was trying when it broke.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 #[path = "common/readers.rs"]
 mod readers;
 
