@@ -53,7 +53,8 @@ impl MeshData {
     }
 
     /// Scales the normals to unit length and replaces those that have no direction (zero or not finite) by the ones
-    /// that [`MeshData::compute_normals`] finds; a mesh without normals stays without.
+    /// that [`MeshData::compute_normals`] finds; a mesh without normals stays without. Normals that have unit length up
+    /// to rounding stay as they are, so that a mesh that was written and read again is the same to the last bit.
     ///
     /// # Panics
     /// If a triangle names a vertex that does not exist, or the normals are neither none nor one a vertex.
@@ -67,7 +68,11 @@ impl MeshData {
                 }
             }
         }
-        for normal in &mut self.normals {
+        let is_unit = |normal: [f32; 3]| {
+            // Rounding each component by half a unit in the last place moves the squared length by one ε at most.
+            (DVec3::from(normal.map(f64::from)).length_squared() - 1.0).abs() < 2.0 * f64::from(f32::EPSILON)
+        };
+        for normal in self.normals.iter_mut().filter(|normal| !is_unit(**normal)) {
             if let Some(unit) = unit(*normal) {
                 *normal = unit.as_vec3().into();
             }

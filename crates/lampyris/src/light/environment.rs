@@ -53,23 +53,36 @@ impl Environment {
             world,
         };
         let (width, height) = environment.cells();
-        // Four points of a cell, which together see every pixel that takes part in it.
-        let light = |column: usize, row: usize| {
-            let quarters = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)];
-            quarters.into_iter().fold(Spectrum::ZERO, |sum, (x, y)| {
-                let at = Vec2::new((column as f32 + x) / width as f32, (row as f32 + y) / height as f32);
-                sum + environment.at(at) * mapping.solid_angle(at)
-            })
-        };
-        let rows: Vec<Vec<Spectrum>> =
-            (0..height).into_par_iter().map(|row| (0..width).map(|column| light(column, row)).collect()).collect();
-        let quarters = 4.0 * (width * height) as f32;
+        let mut rows = environment.light_of_cells(width, height, 1);
         environment.integral = rows
             .iter()
-            .map(|row| row.iter().fold(Spectrum::ZERO, |sum, &light| sum + light) / quarters)
+            .map(|row| row.iter().fold(Spectrum::ZERO, |sum, &light| sum + light) / (width * height) as f32)
             .fold(Spectrum::ZERO, |sum, row| sum + row);
+        let coarser = coarser(&rows);
+        let (width, height) = (width.div_ceil(coarser), height.div_ceil(coarser));
+        if coarser > 1 {
+            rows = environment.light_of_cells(width, height, coarser);
+        }
         environment.grid = Grid::new(width, height, |column, row| f64::from(rows[row][column].mean()));
         environment
+    }
+
+    /// The mean of radiance × solid angle over each of so many cells, by row, where a cell is at most `across` times as
+    /// wide and high as those between the pixels: by as many points as see every pixel that takes part in it.
+    fn light_of_cells(&self, width: usize, height: usize, across: usize) -> Vec<Vec<Spectrum>> {
+        let points = 2 * across;
+        let light = |column: usize, row: usize| {
+            let mut sum = Spectrum::ZERO;
+            for (x, y) in (0..points * points).map(|point| (point % points, point / points)) {
+                let part = |cell: usize, part: usize, cells: usize| {
+                    (cell as f32 + (part as f32 + 0.5) / points as f32) / cells as f32
+                };
+                let at = Vec2::new(part(column, x, width), part(row, y, height));
+                sum += self.at(at) * self.mapping.solid_angle(at);
+            }
+            sum / (points * points) as f32
+        };
+        (0..height).into_par_iter().map(|row| (0..width).map(|column| light(column, row)).collect()).collect()
     }
 
     /// Whether no direction shines.
@@ -103,7 +116,10 @@ impl Environment {
     fn pixel(&self, x: i64, y: i64) -> Spectrum {
         let (width, height) = (self.image.width() as i64, self.image.height() as i64);
         let (x, y) = match self.mapping {
-            Mapping::LatLong => (x.rem_euclid(width), y.clamp(0, height - 1)),
+            // At most once around; a division would take longer.
+            Mapping::LatLong if x < 0 => (x + width, y.clamp(0, height - 1)),
+            Mapping::LatLong if x >= width => (x - width, y.clamp(0, height - 1)),
+            Mapping::LatLong => (x, y.clamp(0, height - 1)),
             Mapping::EqualArea => {
                 // Over an edge lies the same edge, read backwards.
                 let (x, y) = if x < 0 || x >= width { (x.clamp(0, width - 1), height - 1 - y) } else { (x, y) };
@@ -124,6 +140,31 @@ impl Environment {
     fn point(&self, toward: Vec3) -> Vec2 {
         self.mapping.point(self.to_world.transpose() * toward)
     }
+}
+
+/// By how much the cells that directions are drawn from may be wider than those between the pixels, 1 to 8: a small table
+/// stays near the processor, and where the sky is smooth nothing is lost. The second moment of radiance over density may
+/// grow by a tenth; below a sun of a few pixels it would grow many times.
+fn coarser(rows: &[Vec<Spectrum>]) -> usize {
+    const GROWTH: f64 = 1.1;
+    let total: f64 = rows.iter().flatten().map(|light| f64::from(light.mean())).sum();
+    let second_moment = |across: usize| -> f64 {
+        let band = |band: &[Vec<Spectrum>]| -> f64 {
+            let width = band[0].len();
+            let group = |first: usize| {
+                let inside = band.iter().flat_map(|row| &row[first..(first + across).min(width)]);
+                let (count, sum, squares) = inside.fold((0.0, 0.0, 0.0), |(count, sum, squares), light| {
+                    let light = f64::from(light.mean());
+                    (count + 1.0, sum + light, squares + light * light)
+                });
+                if sum > 0.0 { count * squares / sum } else { 0.0 }
+            };
+            (0..width).step_by(across).map(group).sum()
+        };
+        rows.chunks(across).map(band).sum()
+    };
+    // From the finest on: each step needs about the variance of the one before.
+    [2, 4, 8].into_iter().take_while(|&across| second_moment(across) <= GROWTH * total).last().unwrap_or(1)
 }
 
 impl Mapping {

@@ -81,6 +81,7 @@ impl Layer {
 
 /// By wavelength, 320 to 720 nm in steps of 40: irradiance above the air in W/(m² nm), the optical depth of the air towards
 /// the zenith, and that of haze relative to 560 nm.
+#[allow(clippy::approx_constant)] // One depth resembles 1/π.
 const SUN: [[f64; 11]; 3] = [
     [0.3572, 0.6309, 1.0586, 1.3880, 1.6332, 1.5126, 1.4099, 1.4113, 1.3196, 1.2384, 1.1555],
     [1.1335, 0.7079, 0.4650, 0.3180, 0.2248, 0.1633, 0.1214, 0.0921, 0.0712, 0.0559, 0.0445],

@@ -5,7 +5,13 @@
 pub struct Distribution {
     /// `cumulative[i]` is the probability of all before `i`; one more entry than weights, the last one 1.
     cumulative: Vec<f32>,
+    /// `guide[j]` is the first place whose entry is above j / (guide's length − 1): of long distributions, so that a
+    /// search touches little memory. Empty for short ones.
+    guide: Vec<u32>,
 }
+
+/// Distributions of more things than this have a guide, with about one entry for as many of them.
+const GUIDED: usize = 16;
 
 impl Distribution {
     /// Proportional to `weights`; uniform if all are zero. Empty for no weights.
@@ -20,7 +26,33 @@ impl Distribution {
             before += weight;
         }
         cumulative.push(1.0);
-        Distribution { cumulative }
+        Distribution { guide: Distribution::guide(&cumulative), cumulative }
+    }
+
+    fn guide(cumulative: &[f32]) -> Vec<u32> {
+        if cumulative.len() <= GUIDED {
+            return Vec::new();
+        }
+        // A power of two, by which numbers are multiplied and divided without rounding.
+        let steps = (cumulative.len() / GUIDED).next_power_of_two();
+        let mut place = 0;
+        let entry = |step| {
+            let start = step as f32 / steps as f32;
+            place += cumulative[place..].iter().take_while(|&&before| before <= start).count();
+            place as u32
+        };
+        (0..=steps).map(entry).collect()
+    }
+
+    /// How many entries are not above `u`.
+    #[inline]
+    fn not_above(&self, u: f32) -> usize {
+        let Some(steps) = self.guide.len().checked_sub(1) else {
+            return self.cumulative.partition_point(|&before| before <= u);
+        };
+        let step = ((u * steps as f32) as usize).min(steps - 1);
+        let (first, last) = (self.guide[step] as usize, self.guide[step + 1] as usize);
+        first + self.cumulative[first..last].partition_point(|&before| before <= u)
     }
 
     /// How many things there are to choose from.
@@ -47,7 +79,7 @@ impl Distribution {
         if self.len() == 1 {
             return (0, 1.0, u);
         }
-        let mut index = self.cumulative.partition_point(|&before| before <= u).saturating_sub(1).min(self.len() - 1);
+        let mut index = self.not_above(u).saturating_sub(1).min(self.len() - 1);
         // Rounding can leave a thing of probability zero under u at the very end: step back to one that has some.
         while self.probability(index) <= 0.0 && index > 0 {
             index -= 1;
@@ -73,6 +105,20 @@ mod tests {
         assert_eq!(distribution.sample(ONE_MINUS_EPSILON).0, 2);
         assert_eq!(distribution.probability(2), 0.75);
         assert!((distribution.sample(0.125).2 - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_guide_leads_to_where_a_search_does() {
+        for n in [15, 16, 17, 100, 1000] {
+            let weights: Vec<f64> = (0..n).map(|i| if i % 7 < 3 { 0.0 } else { f64::from(i * i % 31) }).collect();
+            let distribution = Distribution::new(&weights);
+            let edges = distribution.cumulative.iter().flat_map(|&at| [at.next_down(), at, at.next_up()]);
+            let even = (0..=4096).map(|i| i as f32 / 4096.0);
+            for u in edges.chain(even).filter(|u| (0.0..1.0).contains(u)) {
+                let searched = distribution.cumulative.partition_point(|&before| before <= u);
+                assert_eq!(distribution.not_above(u), searched, "{n}, {u}");
+            }
+        }
     }
 
     #[test]

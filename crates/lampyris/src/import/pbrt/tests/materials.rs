@@ -76,7 +76,15 @@ fn metals_go_by_name_number_or_reflectance() {
     assert_eq!(index("\"rgb eta\" [1 2 3] \"rgb k\" [4 5 6]"), ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]));
     // An index of 1 and k = 2 reflect 1/2 at normal incidence: k² / (4 + k²).
     assert_eq!(index("\"rgb reflectance\" [0.5 0.5 0.5]"), ([1.0; 3], [2.0; 3]));
-    assert!(index("\"spectrum eta\" \"metal-CuZn-eta\"").0[0] != copper_eta[0]);
+    // The same brass by every other number that was measured [Querry 1985].
+    let eta = "300 1.388 400 1.445 420 1.35 440 1.191 460 .994 480 .816 500 .686 520 .602 540 .549 560 .505 580 .468 \
+               600 .45 620 .449 640 .444 660 .445 680 .444 700 .446 900 .523";
+    let k = "300 1.731 400 1.805 420 1.786 440 1.797 460 1.883 480 2.046 500 2.25 520 2.464 540 2.668 560 2.86 \
+             580 3.059 600 3.253 620 3.434 640 3.609 660 3.778 680 3.943 700 4.106 900 5.65";
+    let measured = index(&format!("\"spectrum eta\" [{eta}] \"spectrum k\" [{k}]"));
+    let named = index("\"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"");
+    let close = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.01);
+    assert!(close(named.0, measured.0) && close(named.1, measured.1), "{named:?} is not {measured:?}");
     let error = fault("Material \"conductor\" \"spectrum eta\" \"metal-Ah-eta\" Shape \"sphere\"");
     assert!(error.hint.expect("a hint").contains("did you mean 'metal-"));
 }
