@@ -145,8 +145,13 @@ pub type Warning = Error;
 
 /// `; did you mean 'x'?` material: the candidate nearest to `word`, if one is near.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // To compare two words takes the product of their lengths, and nobody mistypes a page; and a file may ask for
+    // thousands of names that it does not have among thousands that it has.
+    const LONGEST: usize = 100;
+    const MOST: usize = 1000;
+    let candidates = candidates.into_iter().take(if word.len() <= LONGEST { MOST } else { 0 });
+    let candidates = candidates.filter(|candidate| candidate.len() <= LONGEST);
     candidates
-        .into_iter()
         .map(|candidate| {
             // The first measure knows common beginnings, the second swapped letters.
             let likeness = strsim::jaro_winkler(word, candidate);
@@ -176,6 +181,13 @@ mod tests {
         assert_eq!(did_you_mean("radus", ["center", "radius"]), Some("radius"));
         assert_eq!(did_you_mean("iro", ["center", "ior"]), Some("ior"));
         assert_eq!(did_you_mean("zzz", ["center", "radius"]), None);
+    }
+
+    #[test]
+    fn long_words_are_not_compared() {
+        let (word, near) = ("a".repeat(1 << 20), format!("{}b", "a".repeat(1 << 20)));
+        assert_eq!(did_you_mean(&word, [near.as_str()]), None);
+        assert_eq!(did_you_mean("radus", [near.as_str(), "radius"]), Some("radius"));
     }
 
     #[test]

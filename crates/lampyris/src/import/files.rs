@@ -1,12 +1,12 @@
 //! The files beside a scene file, opened as the scene asks for them.
 
 use std::collections::HashMap;
-use std::fs::{self, File};
+use std::fs;
 use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use super::{gzip, obj, ply, serialized, stl};
+use super::{gzip, obj, ply, serialized, source, stl};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
 use crate::observer::{Observer, Silent, Work};
@@ -55,7 +55,7 @@ impl<'o> Files<'o> {
             return decode_texture(file, bytes, raw);
         }
         let path = self.folder.join(file);
-        let bytes = fs::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
+        let bytes = source::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
         let picture = decode_texture(&path.to_string_lossy(), &bytes, raw);
         self.tell(&path);
         picture
@@ -116,13 +116,13 @@ pub(super) fn read_mesh(path: &Path, index: u32) -> Result<MeshData> {
         "obj" => obj::read,
         "ply" => ply::read,
         "stl" => stl::read,
-        "serialized" => return serialized::read(&name, File::open(path).map_err(failed)?, index),
+        "serialized" => return serialized::read(&name, source::open(path).map_err(failed)?, index),
         _ => {
             return Err(Error::new(format!("cannot read '{name}': not a known mesh format"))
                 .with_hint("known are .obj, .ply, .stl and .serialized"));
         }
     };
-    let bytes = fs::read(path).map_err(failed)?;
+    let bytes = source::read(path).map_err(failed)?;
     read(&name, &gzip::unpacked(&name, &bytes)?)
 }
 

@@ -20,7 +20,13 @@ pub(super) enum Up {
 /// A camera before the scene that has all of it in view: it looks straight at the front of the scene's box, so that
 /// a room without a front wall is seen from its open side; at something flat on the ground, from above.
 pub(super) fn frame(bounds: &Bounds, up: Up) -> CameraDescription {
-    let extent = (bounds.max - bounds.min).max(glam::Vec3::ZERO);
+    let center = bounds.center();
+    let mut extent = (bounds.max - bounds.min).max(glam::Vec3::ZERO);
+    // Of a point, or what is as good as one where it lies, any view will do.
+    let least = 1e-5 * center.abs().max_element();
+    if extent.max_element() <= least {
+        extent = glam::Vec3::splat(if least > 0.0 { least } else { 1.0 });
+    }
     // Width, height and depth as the camera sees them, and its axes in the world.
     let (size, upright, mut backward) = match up {
         Up::Y => (extent, glam::Vec3::Y, glam::Vec3::Z),
@@ -33,7 +39,6 @@ pub(super) fn frame(bounds: &Bounds, up: Up) -> CameraDescription {
         backward = (backward + upright).normalize();
         distance = MARGIN * 0.5 * size.length() / (0.5 * FOV).to_radians().sin();
     }
-    let center = bounds.center();
     CameraDescription {
         origin: (center + backward * distance).to_array(),
         target: Some(center.to_array()),

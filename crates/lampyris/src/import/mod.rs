@@ -42,6 +42,24 @@ pub struct Imported {
     pub embedded: HashMap<String, Arc<[u8]>>,
 }
 
+/// The most warnings that are told of one file: who reads a thousand will not read more, and a file can give cause to
+/// one with every second byte.
+const MOST_WARNINGS: usize = 1000;
+
+/// Adds what `warning` makes to `warnings`, where there is room.
+fn warn(warnings: &mut Vec<Warning>, warning: impl FnOnce() -> Warning) {
+    match warnings.len() {
+        ..MOST_WARNINGS => warnings.push(warning()),
+        MOST_WARNINGS => warnings.push(Warning::new(format!("only the first {MOST_WARNINGS} warnings are shown"))),
+        _ => {}
+    }
+}
+
+/// Whether another warning would be told.
+fn has_room(warnings: &[Warning]) -> bool {
+    warnings.len() <= MOST_WARNINGS
+}
+
 /// Where each part of a description stands in its file, by key path: `shapes[2]`, `shapes[2].radius`.
 #[derive(Debug, Default)]
 pub struct Places(HashMap<String, Place>);

@@ -3,6 +3,7 @@
 use crate::error::{Place, Warning};
 
 use super::obj::{Source, decode};
+use super::warn;
 
 /// A picture that replaces or scales a number of a material.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +48,7 @@ pub(super) struct Material {
 /// go on.
 pub(super) fn read(name: &str, bytes: &[u8]) -> (Vec<Material>, Vec<Warning>) {
     let text = decode(bytes);
-    let source = Source { name, text: &text };
+    let source = Source::new(name, &text);
     let mut materials: Vec<Material> = Vec::new();
     let mut warnings = Vec::new();
     let visited = source.statements(|words| {
@@ -58,11 +59,12 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> (Vec<Material>, Vec<Warning>) {
             return Ok(());
         }
         let Some(material) = materials.last_mut() else {
-            warnings.push(source.error(key, format!("'{key}' stands before the first 'newmtl' and is ignored")));
+            let message = format!("'{key}' stands before the first 'newmtl' and is ignored");
+            warn(&mut warnings, || source.error(key, message));
             return Ok(());
         };
         if let Err(message) = material.set(key, &words[1..]) {
-            warnings.push(source.error(key, message));
+            warn(&mut warnings, || source.error(key, message));
         }
         Ok(())
     });

@@ -8,9 +8,12 @@
 //! vertex colours and statements of later dialects are passed over.
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::collections::HashMap;
+use std::path::Path;
 
 use super::mesh;
+use super::source::Lines;
 use crate::error::{Error, Place, Result};
 use crate::geometry::MeshData;
 
@@ -28,7 +31,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<MeshData> {
         return Err(mesh::unreadable(name, "it is empty"));
     }
     let text = decode(bytes);
-    let source = Source { name, text: &text };
+    let source = Source::new(name, &text);
     let lists = source.lists()?;
     let mut parts = source.faces(&lists, false)?.parts;
     mesh::finish(name, parts.pop().map(|part| part.mesh).unwrap_or_default())
@@ -57,7 +60,7 @@ pub(super) fn read_parts(name: &str, bytes: &[u8]) -> Result<Parts> {
         return Err(mesh::unreadable(name, "it is empty"));
     }
     let text = decode(bytes);
-    let source = Source { name, text: &text };
+    let source = Source::new(name, &text);
     let lists = source.lists()?;
     let mut found = source.faces(&lists, true)?;
     let (whole, points): (Vec<Part>, _) = found
@@ -110,18 +113,26 @@ type Corner = [Option<u32>; 3];
 const KINDS: [(&str, &str); 3] = [("vertex", "v"), ("texture coordinate", "vt"), ("normal", "vn")];
 
 pub(super) struct Source<'a> {
-    pub name: &'a str,
-    pub text: &'a str,
+    name: &'a str,
+    text: &'a str,
+    /// Counted when a place is asked for.
+    lines: OnceCell<Lines>,
 }
 
 impl<'a> Source<'a> {
+    /// `text`, the content of the file `name`.
+    pub(super) fn new(name: &'a str, text: &'a str) -> Source<'a> {
+        Source { name, text, lines: OnceCell::new() }
+    }
+
     /// Calls `visit` with the words of each statement, comments and continued lines resolved.
     pub(super) fn statements(&self, mut visit: impl FnMut(&[&'a str]) -> Result<()>) -> Result<()> {
         let mut words: Vec<&str> = Vec::new();
         for line in self.text.split('\n') {
+            let before = words.len();
             words.extend(line.split_ascii_whitespace());
-            if let Some(comment) = words.iter().position(|word| word.starts_with('#')) {
-                words.truncate(comment);
+            if let Some(comment) = words[before..].iter().position(|word| word.starts_with('#')) {
+                words.truncate(before + comment);
             } else if let Some(start) = words.last().and_then(|word| word.strip_suffix('\\')) {
                 words.pop();
                 words.extend((!start.is_empty()).then_some(start));
@@ -259,7 +270,8 @@ impl<'a> Source<'a> {
     /// Where `word` stands, which is a part of the text.
     pub(super) fn place(&self, word: &str) -> Place {
         let start = word.as_ptr() as usize - self.text.as_ptr() as usize;
-        Place::of(self.name, self.text, start..start + word.len())
+        let lines = self.lines.get_or_init(|| Lines::of(self.text));
+        lines.place(Path::new(self.name), self.text, start..start + word.len())
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each material becomes a shape. Such files have no camera, which is placed by the bounds, and often no lamp.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ type Found = (Material, PathBuf);
 impl Importer<'_> {
     fn warn(&mut self, message: impl Into<String>, place: Option<&Place>) {
         let warning = Warning::new(message);
-        self.imported.warnings.push(match place {
+        super::warn(&mut self.imported.warnings, || match place {
             Some(place) => warning.with_place(place.clone()),
             None => warning,
         });
@@ -102,7 +102,7 @@ impl Importer<'_> {
     /// All materials of all libraries; of two with the same name the first.
     fn libraries(&mut self, libraries: &[(String, Place)]) -> HashMap<String, Found> {
         let mut materials = HashMap::new();
-        let mut read: Vec<PathBuf> = Vec::new();
+        let mut read: HashSet<PathBuf> = HashSet::new();
         for (names, place) in libraries {
             // One name with blanks, or several names.
             let whole = vec![names.clone()];
@@ -117,7 +117,7 @@ impl Importer<'_> {
                 match self.folder.read(&path) {
                     Ok(bytes) => {
                         let (found, warnings) = mtl::read(&shown.to_string_lossy(), &bytes);
-                        self.imported.warnings.extend(warnings);
+                        warnings.into_iter().for_each(|one| super::warn(&mut self.imported.warnings, || one));
                         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
                         for material in found {
                             materials.entry(material.name.clone()).or_insert((material, folder.clone()));
@@ -128,7 +128,7 @@ impl Importer<'_> {
                         self.warn(format!("{missing}: its materials are grey"), Some(place));
                     }
                 }
-                read.push(path);
+                read.insert(path);
             }
         }
         materials
@@ -149,12 +149,13 @@ impl Importer<'_> {
             }
             described = Some(MaterialRef::Named(name.clone()));
         } else if !name.is_empty() && !materials.is_empty() {
-            let message = format!("there is no material '{name}': the surface is grey");
-            let near = did_you_mean(&name, materials.keys().map(String::as_str)).map(str::to_string);
-            self.warn(message, None);
-            if let (Some(near), Some(warning)) = (near, self.imported.warnings.last_mut()) {
-                warning.hint = Some(format!("did you mean '{near}'?"));
-            }
+            super::warn(&mut self.imported.warnings, || {
+                let warning = Warning::new(format!("there is no material '{name}': the surface is grey"));
+                match did_you_mean(&name, materials.keys().map(String::as_str)) {
+                    Some(near) => warning.with_hint(format!("did you mean '{near}'?")),
+                    None => warning,
+                }
+            });
         }
         let emission = self.done.get(&name).cloned().flatten();
         let mut shape = shape(Arc::new(part.mesh), described, emission);

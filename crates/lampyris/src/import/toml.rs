@@ -17,7 +17,7 @@ use std::path::Path;
 use ::toml::Spanned;
 use ::toml::de::{DeTable, DeValue};
 
-use super::{Imported, Places};
+use super::{Imported, Places, source};
 use crate::error::{Error, Place, Result};
 use crate::scene::SceneDescription;
 use crate::scene::notation::{self, Fault};
@@ -28,7 +28,7 @@ use crate::scene::schema::Schema;
 /// # Errors
 /// A file that cannot be read or is not UTF-8, and all errors of [`read_str`].
 pub fn read(path: &Path) -> Result<Imported> {
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, "read", &error))?;
+    let bytes = source::read(path).map_err(|error| Error::io(path, "read", &error))?;
     match std::str::from_utf8(&bytes) {
         Ok(text) => read_str(path, text),
         Err(error) => {

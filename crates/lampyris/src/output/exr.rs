@@ -115,9 +115,9 @@ fn fail(error: ::exr::error::Error) -> Error {
 /// Refuses sizes that the file cannot hold, before anything is allocated for them.
 fn check_header(bytes: &[u8]) -> Result<()> {
     // Deflate makes at most 1032 bytes of one, which is this many pixels where a pixel is one half. The DCT of
-    // DWA packs 64 into one first.
+    // DWA packs 64 into one first, but its pieces begin with 88 bytes each.
     const PIXELS_PER_BYTE: u64 = 1032 / 2;
-    const PIXELS_PER_BYTE_OF_DWA: u64 = 64 * PIXELS_PER_BYTE;
+    const PIXELS_PER_BYTE_OF_DWA: u64 = 4 * PIXELS_PER_BYTE;
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fail)?;
     for header in &meta.headers {
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {

@@ -36,7 +36,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded> {
     let fail = |error| Error::new(format!("the PNG picture is damaged: {error}"));
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits()).map_err(fail)?;
     let (width, height) = decoder.dimensions();
-    let bits_per_pixel = u64::from(decoder.original_color_type().bits_per_pixel().max(1));
+    // Smaller pixels are a byte each in memory, and more where they become light.
+    let bits_per_pixel = u64::from(decoder.original_color_type().bits_per_pixel().max(8));
     check_size(width.into(), height.into(), bytes.len() as u64 * BITS_PER_BYTE / bits_per_pixel)?;
     Ok(Decoded { picture: picture(decoder).map_err(fail)?, values: Values::Srgb })
 }

@@ -59,7 +59,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let (surfaces, records, area_lights) = shapes.finish();
     let world = world(&surfaces, camera.origin());
     let mut all: Vec<Light> = area_lights.into_iter().map(Light::Area).collect();
-    let mut around = lights::Around { world, textures: materials.textures(), assets };
+    let mut around = lights::Around { world, textures: materials.textures(), assets, pictures: 0 };
     for (index, light) in description.lights.iter().enumerate() {
         around.build(light, &mut all).map_err(|error| error.under(&format!("lights[{index}]")))?;
     }

@@ -193,3 +193,30 @@ fn a_concave_outline_keeps_its_area() {
     let triangles: f64 = mesh.triangles.iter().map(area).sum();
     assert!((triangles - outline.abs()).abs() < 1e-5 * triangles, "{triangles} for {outline}");
 }
+
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_not_read() {
+    use crate::import::load::{LoadOptions, load};
+    let scene = |text: &str| format!("<scene version='3.0.0'>{text}</scene>");
+    let (folder, files) = folder(&[
+        ("a.xml", &scene("<include filename='/dev/zero'/>")),
+        ("b.pbrt", "WorldBegin Shape \"plymesh\" \"string filename\" \"zero.ply\""),
+        (
+            "c.gltf",
+            r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }], "buffers": [{ "uri": "zero.ply", "byteLength": 36 }] }"#,
+        ),
+    ]);
+    let link = |name: &&str| std::os::unix::fs::symlink("/dev/zero", folder.path().join(name)).expect("a link");
+    ["zero.ply", "zero.serialized", "zero.toml", "zero.glb", "zero.xml", "zero.pbrt", "zero.obj"].iter().for_each(link);
+    let refused = |error: Error| assert!(error.message.contains("a pipe or a device"), "{error}");
+    refused(files.picture("/dev/zero", false).expect_err("endless"));
+    refused(files.mesh("zero.serialized", 0).expect_err("endless"));
+    for name in ["a.xml", "b.pbrt", "c.gltf", "zero.toml", "zero.glb", "zero.xml", "zero.pbrt", "zero.obj", "zero.ply"]
+    {
+        refused(load(&folder.path().join(name), &LoadOptions::default()).expect_err("endless"));
+    }
+}

@@ -22,7 +22,6 @@ mod tests;
 mod texture;
 
 use std::collections::{HashMap, HashSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -31,7 +30,7 @@ use self::mesh::GeometryKey;
 use self::source::Buffers;
 use self::spots::Spots;
 use self::surface::Surface;
-use super::Imported;
+use super::{Imported, source as ordinary};
 use crate::error::{Error, Place, Result, Warning};
 use crate::geometry::{Bounds, MeshData};
 
@@ -42,7 +41,7 @@ use crate::geometry::{Bounds, MeshData};
 /// Where the file or its buffers cannot be read, are no glTF 2.0 or contradict themselves, and for required extensions
 /// that we lack; with the place where the file is text. What it has beyond that is a warning.
 pub fn read(path: &Path) -> Result<Imported> {
-    let bytes = fs::read(path).map_err(|error| Error::io(path, "read", &error))?;
+    let bytes = ordinary::read(path).map_err(|error| Error::io(path, "read", &error))?;
     read_bytes(path, &bytes)
 }
 
@@ -160,8 +159,9 @@ impl Importer<'_> {
     /// Warns of what stands at `path`, once for each message.
     fn warn(&mut self, path: &str, message: impl Into<String>) {
         let message = message.into();
-        if self.warned.insert(message.clone()) {
-            self.imported.warnings.push(self.spots.placed(path, Warning::new(message)));
+        if super::has_room(&self.imported.warnings) && self.warned.insert(message.clone()) {
+            let Importer { imported, spots, .. } = self;
+            super::warn(&mut imported.warnings, || spots.placed(path, Warning::new(message)));
         }
     }
 

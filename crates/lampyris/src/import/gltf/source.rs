@@ -1,7 +1,6 @@
 //! Where the bytes of buffers and pictures come from: the file itself, a `data:` URI, a file beside it.
 
 use std::cell::OnceCell;
-use std::fs::{self, File};
 use std::io::Read;
 use std::path::PathBuf;
 
@@ -12,6 +11,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use super::document::{Buffer, BufferView, Document};
 use super::spots::Spots;
 use crate::error::{Error, Result};
+use crate::import::source as ordinary;
 
 /// Takes Base64 with and without its padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -158,14 +158,14 @@ impl<'a> Buffers<'a> {
             Resource::File(file) => self.folder.join(file),
         };
         let failed = |error: std::io::Error| Error::io(&file, "read", &error).message;
-        let metadata = fs::metadata(&file).map_err(failed)?;
-        // Before reading, as what is not an ordinary file may never end.
-        if !metadata.is_file() || metadata.len() < length as u64 {
-            let found = if metadata.is_file() { metadata.len() } else { 0 };
+        let opened = ordinary::open(&file).map_err(failed)?;
+        // Before reading, so that no memory is taken for what will be refused.
+        let found = opened.metadata().map_err(failed)?.len();
+        if found < length as u64 {
             return Err(format!("'{}' should have {length} bytes, but has {found}", file.display()));
         }
         let mut bytes = Vec::new();
-        File::open(&file).and_then(|file| file.take(length as u64).read_to_end(&mut bytes)).map_err(failed)?;
+        opened.take(length as u64).read_to_end(&mut bytes).map_err(failed)?;
         Ok(bytes)
     }
 }

@@ -153,9 +153,10 @@ impl<'a> Importer<'a> {
     /// Warns, once for each place and message.
     fn warn(&mut self, spot: Spot, message: impl Into<String>) {
         let message = message.into();
-        if self.warned.insert((spot.source, spot.start, message.clone())) {
-            let warning = Warning::new(message).with_place(self.document.place(spot));
-            self.imported.warnings.push(warning);
+        let has_room = super::has_room(&self.imported.warnings);
+        if has_room && self.warned.insert((spot.source, spot.start, message.clone())) {
+            let place = self.document.place(spot);
+            super::warn(&mut self.imported.warnings, || Warning::new(message).with_place(place));
         }
     }
 

@@ -10,13 +10,20 @@ use std::rc::Rc;
 use roxmltree::Node;
 
 use self::property::{Element, tag_spot, with_underscores};
+use super::super::warn;
 use super::document::{Document, Kind, Object, Part, Property, Spot};
 use super::source::{Folder, Source};
 use crate::error::{Error, Result, Warning, did_you_mean};
 
 const MOST_NODES: u32 = 50_000_000;
+/// Folders in which a `path` may tell us to look: each is asked for each file.
+const MOST_FOLDERS: usize = 64;
 const MOST_INCLUDES: usize = 4096;
 const DEEPEST_INCLUDE: usize = 16;
+/// The XML reader compares each attribute of an element with all others.
+const MOST_ATTRIBUTES: usize = 1000;
+/// Bytes that files may have in all which are included again.
+const MOST_REPEATED: usize = 1 << 24;
 const DEEPEST_OBJECT: usize = 32;
 
 /// Reads `main` and all it includes. `defines` go before the file's own `default`s.
@@ -35,12 +42,15 @@ pub(super) fn parse(
         search: Vec::new(),
         including: Vec::new(),
         includes: 0,
+        sources: HashMap::new(),
+        repeated: 0,
+        grown: 0,
         warnings: Vec::new(),
     };
     parser.file(main, None, true)?;
     parser.resolve()?;
     for (name, _) in defines.iter().filter(|(name, _)| !parser.needed.contains(name)) {
-        parser.warnings.push(Warning::new(format!("no parameter '${name}' is used in the scene file")));
+        warn(&mut parser.warnings, || Warning::new(format!("no parameter '${name}' is used in the scene file")));
     }
     Ok((parser.document, parser.warnings))
 }
@@ -58,6 +68,12 @@ struct Parser<'a> {
     search: Vec<PathBuf>,
     including: Vec<PathBuf>,
     includes: usize,
+    /// The files read so far.
+    sources: HashMap<PathBuf, Rc<Source>>,
+    /// Bytes of files that were read before.
+    repeated: usize,
+    /// Bytes by which parameters have made values longer.
+    grown: usize,
     warnings: Vec<Warning>,
 }
 
@@ -76,21 +92,16 @@ impl Parser<'_> {
     }
 
     fn warn(&mut self, spot: Spot, message: impl Into<String>) {
-        let warning = self.fault(spot, message);
-        self.warnings.push(warning);
+        let Parser { document, warnings, .. } = self;
+        warn(warnings, || Warning::new(message).with_place(document.place(spot)));
     }
 
     /// Reads one file, its objects becoming those of the scene.
     fn file(&mut self, path: &Path, from: Option<Spot>, old: bool) -> Result<()> {
-        let shown = self.folder.shown(path);
-        let placed = |error: Error, parser: &Self| match from {
-            Some(spot) => error.with_place(parser.document.place(spot)),
-            None => error,
+        let source = match self.sources.get(path) {
+            Some(source) => Rc::clone(source),
+            None => self.source(path, from)?,
         };
-        let mut bytes =
-            self.folder.read(path).map_err(|error| placed(Error::io(shown.clone(), "read", &error), self))?;
-        blank_comments(&mut bytes);
-        let source = Rc::new(Source::new(shown, bytes)?);
         let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
         let xml = roxmltree::Document::parse_with_options(&source.text, options)
             .map_err(|error| not_well_formed(&source, &error))?;
@@ -120,6 +131,26 @@ impl Parser<'_> {
         }
         self.including.pop();
         Ok(())
+    }
+
+    /// Reads a file that was not read before.
+    fn source(&mut self, path: &Path, from: Option<Spot>) -> Result<Rc<Source>> {
+        let shown = self.folder.shown(path);
+        let mut bytes = self.folder.read(path).map_err(|error| {
+            let error = Error::io(shown.clone(), "read", &error);
+            match from {
+                Some(spot) => error.with_place(self.document.place(spot)),
+                None => error,
+            }
+        })?;
+        blank_comments(&mut bytes);
+        let source = Rc::new(Source::new(shown, bytes)?);
+        if let Some(at) = crowded(source.text.as_bytes()) {
+            let message = format!("this element has more than {MOST_ATTRIBUTES} attributes");
+            return Err(Error::new(message).with_place(source.place(at..at + 1)));
+        }
+        self.sources.insert(path.to_path_buf(), Rc::clone(&source));
+        Ok(source)
     }
 
     fn scene_child(&mut self, file: &File, node: Node) -> Result<()> {
@@ -161,6 +192,9 @@ impl Parser<'_> {
             "path" => {
                 let element = self.element(file, node)?;
                 let path = element.text("value").or(element.text("filename")).unwrap_or(".");
+                if self.search.len() == MOST_FOLDERS {
+                    return Err(self.fault(element.spot, format!("there are more than {MOST_FOLDERS} <path>")));
+                }
                 self.search.push(file.folder.join(path.replace('\\', "/")));
             }
             "alias" => {
@@ -185,7 +219,9 @@ impl Parser<'_> {
         if self.including.contains(&path) {
             return Err(self.fault(spot, format!("'{name}' includes itself")));
         }
-        if self.including.len() >= DEEPEST_INCLUDE || self.includes > MOST_INCLUDES {
+        self.repeated += self.sources.get(&path).map_or(0, |source| source.text.len());
+        let too_deep = self.including.len() >= DEEPEST_INCLUDE;
+        if too_deep || self.includes > MOST_INCLUDES || self.repeated > MOST_REPEATED {
             return Err(self.fault(spot, "the files include each other too often"));
         }
         self.file(&path, Some(spot), file.old)
@@ -329,4 +365,30 @@ fn blank_comments(bytes: &mut [u8]) {
         }
         at = content.end + 3;
     }
+}
+
+/// Where an element begins that has more attributes than are read, or what it has of them; in text without comments.
+fn crowded(bytes: &[u8]) -> Option<usize> {
+    let mut at = 0;
+    while let Some(start) = bytes[at..].iter().position(|&byte| byte == b'<').map(|length| at + length) {
+        let (mut quote, mut values) = (None, 0);
+        at = start + 1;
+        if bytes[at..].starts_with(b"![CDATA[") {
+            at += bytes[at..].windows(3).position(|three| three == b"]]>")?;
+            continue;
+        }
+        for &byte in &bytes[at..] {
+            at += 1;
+            match (quote, byte) {
+                (None, b'>') => break,
+                (None, b'"' | b'\'') => (quote, values) = (Some(byte), values + 1),
+                (Some(open), _) if byte == open => quote = None,
+                _ => {}
+            }
+        }
+        if values > MOST_ATTRIBUTES {
+            return Some(start);
+        }
+    }
+    None
 }

@@ -177,3 +177,16 @@ fn a_mesh_alone_is_a_scene() {
     assert_eq!(camera.up, Some([0.0, 0.0, 1.0]));
     build(&imported.description, &crate::scene::NoAssets).expect("it can be rendered");
 }
+
+/// Were their places counted from the beginning of the file, or their words again at each line, this would not end.
+#[test]
+fn very_many_bad_lines_and_names_are_read_in_time() {
+    let library = "x\n".repeat(300_000);
+    let materials: String = (0..50_000).map(|number| format!("newmtl a{number}\n")).collect();
+    assert_eq!(scene(&library).warnings.len(), 1001);
+    let unknown: String = (0..50_000).map(|number| format!("usemtl b{number}\nf 1 2 3\n")).collect();
+    let continued = "a \\\n".repeat(200_000);
+    let libraries: String = (0..50_000).map(|number| format!("mtllib c{number}\n")).collect();
+    let main = format!("{OBJ}{unknown}{libraries}{continued}");
+    assert_eq!(scene_of(&main, &[("a.mtl", &materials)]).warnings.len(), 1001);
+}

@@ -11,8 +11,8 @@ use super::statement::Statement;
 use crate::error::Result;
 use crate::geometry::MeshData;
 
-/// The most triangles that subdivision may make of a file.
-const MOST_TRIANGLES: usize = 1 << 22;
+/// The most triangles that subdivision may make of a file, all meshes together.
+const MOST_TRIANGLES: usize = 1 << 21;
 
 impl Importer<'_> {
     pub(super) fn subdivision(&mut self, statement: &Statement) -> Result<Option<Placed>> {
@@ -27,13 +27,16 @@ impl Importer<'_> {
             triangles: indices.as_chunks().0.to_vec(),
         };
         for level in 0..levels {
-            if net.triangles.len() > MOST_TRIANGLES / 4 {
+            if 4 * net.triangles.len() > MOST_TRIANGLES.saturating_sub(self.subdivided) {
                 let message =
                     format!("only {level} of {levels} levels of subdivision are done: the mesh gets too large");
                 self.warn(statement.spot_of(name), message);
                 break;
             }
             net = net.subdivided();
+        }
+        if levels > 0 {
+            self.subdivided += net.triangles.len();
         }
         net.positions = net.moved(limit_weight, 0.2);
         let positions = net.positions.iter().map(|p| p.as_vec3().to_array()).collect();

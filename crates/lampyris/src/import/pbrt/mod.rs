@@ -74,6 +74,7 @@ fn read_from(folder: &dyn Folder, main: &Path) -> Result<Imported> {
         own_materials: Vec::new(),
         textures: Textures::default(),
         meshes: HashMap::new(),
+        subdivided: 0,
     }
     .scene()
 }
@@ -107,6 +108,8 @@ struct Importer<'a> {
     textures: Textures,
     /// Meshes read already, by file.
     meshes: HashMap<String, Arc<MeshData>>,
+    /// Triangles made by subdivision so far.
+    subdivided: usize,
 }
 
 /// What saved a state.
@@ -128,13 +131,14 @@ impl<'a> Importer<'a> {
                 Event::Statement(statement) => self.statement(statement)?,
                 Event::Left(true) => self.restore(Opened::Import, None)?,
                 Event::Left(false) => {}
-                Event::Unknown(spot, near) => {
+                Event::Unknown(spot) if super::has_room(&self.imported.warnings) => {
                     let message = format!("'{}' is no statement of pbrt and is passed over", self.reader.text(spot));
-                    match near {
+                    match self.reader.near(spot) {
                         Some(near) => self.warn_with(spot, message, &format!("did you mean {near}?")),
                         None => self.warn(spot, message),
                     }
                 }
+                Event::Unknown(_) => {}
             }
         }
         if let Some(&(opened, _, spot)) = self.saved.last() {
@@ -164,7 +168,10 @@ impl<'a> Importer<'a> {
             "AttributeEnd" => self.restore(Opened::Attribute, Some(spot))?,
             "TransformBegin" => self.save(Opened::Transform, spot)?,
             "TransformEnd" => self.restore(Opened::Transform, Some(spot))?,
-            "Attribute" => self.state.attribute(statement),
+            "Attribute" => {
+                let fault = |_| self.reader.fault(spot, "too many parameters are set by 'Attribute'");
+                self.state.attribute(statement).map_err(fault)?;
+            }
             "ReverseOrientation" => self.state.reverse = !self.state.reverse,
             "ObjectBegin" => self.object_begin(&statement)?,
             "ObjectEnd" => {
@@ -214,8 +221,8 @@ impl<'a> Importer<'a> {
             let message = "media are not supported yet: fog and clouds are left out".to_string();
             // Once for all of them.
             if self.warned.insert((usize::MAX, 0, message.clone())) {
-                let warning = Warning::new(message).with_place(self.reader.place(statement.spot));
-                self.imported.warnings.push(warning);
+                let place = self.reader.place(statement.spot);
+                super::warn(&mut self.imported.warnings, || Warning::new(message).with_place(place));
             }
         }
     }
@@ -279,16 +286,17 @@ impl<'a> Importer<'a> {
     }
 
     fn push_warning(&mut self, spot: Spot, warning: Warning) {
-        if self.warned.insert((spot.source, spot.start, warning.message.clone())) {
+        let has_room = super::has_room(&self.imported.warnings);
+        if has_room && self.warned.insert((spot.source, spot.start, warning.message.clone())) {
             let place = self.reader.place(spot);
-            self.imported.warnings.push(warning.with_place(place));
+            super::warn(&mut self.imported.warnings, || warning.with_place(place));
         }
     }
 
     /// Warns of all that `statement` was not asked for.
     fn leftovers(&mut self, statement: &Statement) {
-        for (spot, warning) in statement.leftovers() {
-            self.push_warning(spot, warning);
+        if super::has_room(&self.imported.warnings) {
+            statement.leftovers().into_iter().for_each(|(spot, warning)| self.push_warning(spot, warning));
         }
     }
 

@@ -1,7 +1,7 @@
 //! From tokens to statements, file by file.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
 use super::super::gzip;
 use super::super::source::{Folder, Source, Spot};
@@ -75,12 +75,14 @@ const FORMS: [Form; 44] = [
 /// How deep includes may lie in each other, and how many there may be.
 const DEEPEST_INCLUDE: usize = 32;
 const MOST_INCLUDES: usize = 10_000;
+/// Bytes that files may have in all which are included again.
+const MOST_REPEATED: usize = 1 << 24;
 
 /// What comes next.
 pub(super) enum Event {
     Statement(Statement),
     /// A word that is no statement of pbrt; what follows it has been passed over.
-    Unknown(Spot, Option<&'static str>),
+    Unknown(Spot),
     /// The end of a file that was included (`false`) or imported (`true`).
     Left(bool),
 }
@@ -96,14 +98,19 @@ struct Open {
 /// All files read so far.
 pub(super) struct Reader<'a> {
     pub folder: &'a dyn Folder,
-    sources: Vec<Rc<Source>>,
+    sources: Vec<Source>,
     open: Vec<Open>,
     includes: usize,
+    /// The number of each file's source.
+    read: HashMap<PathBuf, usize>,
+    /// Bytes of files that were read before.
+    repeated: usize,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(folder: &'a dyn Folder, main: &Path) -> Result<Reader<'a>> {
-        let mut reader = Reader { folder, sources: Vec::new(), open: Vec::new(), includes: 0 };
+        let (sources, open, read) = (Vec::new(), Vec::new(), HashMap::new());
+        let mut reader = Reader { folder, sources, open, includes: 0, read, repeated: 0 };
         reader.open(main, false)?;
         Ok(reader)
     }
@@ -137,23 +144,40 @@ impl<'a> Reader<'a> {
         if self.open.iter().any(|open| open.path == path) {
             return Err(self.fault(from, format!("'{file}' includes itself")));
         }
-        if self.open.len() > DEEPEST_INCLUDE || self.includes > MOST_INCLUDES {
+        if let Some(&source) = self.read.get(path) {
+            self.repeated += self.sources[source].text.len();
+        }
+        if self.open.len() > DEEPEST_INCLUDE || self.includes > MOST_INCLUDES || self.repeated > MOST_REPEATED {
             return Err(self.fault(from, "too many files are included, or too deeply"));
         }
         self.open(path, imported).map_err(|error| error.with_place(self.place(from)))
     }
 
     fn open(&mut self, path: &Path, imported: bool) -> Result<()> {
+        let source = match self.read.get(path) {
+            Some(&source) => source,
+            None => self.source(path)?,
+        };
+        let at = if self.sources[source].text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        self.open.push(Open { path: path.to_path_buf(), source, at, imported });
+        Ok(())
+    }
+
+    /// Reads a file that was not read before; the number of its source.
+    fn source(&mut self, path: &Path) -> Result<usize> {
         let shown = self.folder.shown(path);
         let bytes = self.folder.read(path).map_err(|error| Error::io(&shown, "read", &error))?;
         let bytes = gzip::unpacked(&shown.to_string_lossy(), &bytes)?;
         // Bytes that are not UTF-8 harm only names and comments.
         let text = String::from_utf8_lossy(&bytes).into_owned();
-        let source = self.sources.len();
-        let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-        self.sources.push(Rc::new(Source::new(shown, text.into_bytes())?));
-        self.open.push(Open { path: path.to_path_buf(), source, at, imported });
-        Ok(())
+        self.sources.push(Source::new(shown, text.into_bytes())?);
+        self.read.insert(path.to_path_buf(), self.sources.len() - 1);
+        Ok(self.sources.len() - 1)
+    }
+
+    /// The statement that an unknown word may have been meant for.
+    pub fn near(&self, unknown: Spot) -> Option<&'static str> {
+        did_you_mean(self.text(unknown), FORMS.iter().map(|form| form.keyword))
     }
 
     /// The next statement; `None` at the end of the main file.
@@ -176,11 +200,10 @@ impl<'a> Reader<'a> {
                 Err(self.fault(token.spot, message).with_hint("is a bracket missing before this?"))
             }
             None => {
-                let near = did_you_mean(word, FORMS.iter().map(|form| form.keyword));
                 while self.peek()?.is_some_and(|next| next.kind != Kind::Word || is_value(self.text(next.spot))) {
                     self.token()?;
                 }
-                Ok(Some(Event::Unknown(token.spot, near)))
+                Ok(Some(Event::Unknown(token.spot)))
             }
         }
     }

@@ -266,6 +266,9 @@ impl Importer<'_> {
         if self.groups.contains_key(group) {
             return true;
         }
+        if !super::super::has_room(&self.imported.warnings) {
+            return false;
+        }
         let message = format!("there is no object '{group}': this instance is left out");
         match did_you_mean(group, self.groups.keys().map(String::as_str)).map(str::to_string) {
             Some(near) => self.warn_with(shape.statement.spot, message, &format!("did you mean '{near}'?")),

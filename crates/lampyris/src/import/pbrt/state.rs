@@ -9,6 +9,12 @@ use super::material::Use;
 use super::statement::{Parameter, Statement};
 use crate::error::Result;
 
+/// Parameters that `Attribute` may set at a time: more than any statement knows.
+const MOST_ATTRIBUTES: usize = 64;
+
+/// More parameters than [`MOST_ATTRIBUTES`].
+pub(super) struct TooMany;
+
 /// What holds for the shapes and lights that follow.
 #[derive(Clone)]
 pub(super) struct State {
@@ -37,10 +43,20 @@ impl Default for State {
 }
 
 impl State {
-    /// Sets parameters for all statements of a sort that follow.
-    pub fn attribute(&mut self, statement: Statement) {
+    /// Sets parameters for all statements of a sort that follow, in place of those of the same name.
+    ///
+    /// # Errors
+    /// Where too many would be carried along from statement to statement.
+    pub fn attribute(&mut self, mut statement: Statement) -> Result<(), TooMany> {
         let sort = statement.sort().to_string();
-        Rc::make_mut(&mut self.attributes).push((sort, statement.parameters));
+        let attributes = Rc::make_mut(&mut self.attributes);
+        for (_, earlier) in attributes.iter_mut().filter(|(other, _)| *other == sort) {
+            earlier.retain(|parameter| !statement.has(&parameter.name));
+        }
+        attributes.retain(|(_, parameters)| !parameters.is_empty());
+        attributes.push((sort, std::mem::take(&mut statement.parameters)));
+        let count: usize = attributes.iter().map(|(_, parameters)| parameters.len()).sum();
+        if count > MOST_ATTRIBUTES { Err(TooMany) } else { Ok(()) }
     }
 
     /// Adds the parameters that hold for the statement; later ones go first.

@@ -25,6 +25,8 @@ pub(super) enum Sort {
 pub(super) struct Textures {
     declared: BTreeMap<(Sort, String), Rc<Statement>>,
     done: HashMap<(Sort, String), Option<Varying>>,
+    /// The last number that made a name its own, by name.
+    numbers: HashMap<String, usize>,
 }
 
 impl Textures {
@@ -294,9 +296,15 @@ impl Importer<'_> {
     }
 
     /// `name`, or with a number behind it if there is such a texture already.
-    fn free_name(&self, name: &str) -> String {
+    fn free_name(&mut self, name: &str) -> String {
         let taken = &self.imported.description.textures;
-        let numbered = (2..).map(|number| format!("{name}-{number}"));
-        std::iter::once(name.to_string()).chain(numbered).find(|name| !taken.contains_key(name)).unwrap_or_default()
+        let number = self.textures.numbers.entry(name.to_string()).or_insert(0);
+        loop {
+            *number += 1;
+            let free = if *number == 1 { name.to_string() } else { format!("{name}-{number}") };
+            if !taken.contains_key(&free) {
+                return free;
+            }
+        }
     }
 }

@@ -26,12 +26,29 @@ pub(super) struct Around<'a, 'd> {
     pub(super) textures: &'a mut textures::Builder<'d>,
     /// For pictures.
     pub(super) assets: &'a dyn Assets,
+    /// Lights so far that keep a picture, each its own.
+    pub(super) pictures: usize,
 }
+
+/// Most skies, surroundings and projectors of a scene: a line of a file makes megabytes of each.
+const MOST_PICTURES: usize = 64;
 
 impl<'d> Around<'_, 'd> {
     /// Adds the light, or for a sky the two lights, to `lights`.
     pub(super) fn build(&mut self, light: &'d LightDescription, lights: &mut Vec<Light>) -> Result<()> {
         let world = self.world;
+        if let LightDescription::Environment { .. }
+        | LightDescription::Sky { .. }
+        | LightDescription::Projector { .. } = light
+        {
+            self.pictures += 1;
+            if self.pictures > MOST_PICTURES {
+                return Err(Error::new(format!(
+                    "there are more than {MOST_PICTURES} skies, environments and projectors"
+                ))
+                .with_hint("join the skies and environments in one picture"));
+            }
+        }
         lights.push(match light {
             LightDescription::Point { position, intensity, power } => {
                 let position = check::point("position", *position)?;

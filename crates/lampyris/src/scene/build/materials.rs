@@ -18,12 +18,17 @@ use crate::scene::description::{
 use crate::spectrum::{Spectrum, metals};
 use crate::texture::{Asks, Texture};
 
+/// Named materials can be made of named materials, so deep.
+const DEEPEST: usize = 64;
+
 /// Resolves materials as shapes ask for them.
 pub(super) struct Builder<'d> {
     description: &'d SceneDescription,
     textures: textures::Builder<'d>,
     materials: Materials,
     named: HashMap<&'d str, Named>,
+    /// How many named materials are under way.
+    depth: usize,
     /// What the textures of each material ask for, where they ask for anything.
     asks: HashMap<MaterialId, Asks>,
     default: Option<MaterialId>,
@@ -41,7 +46,7 @@ impl<'d> Builder<'d> {
     pub(super) fn new(description: &'d SceneDescription, assets: &'d dyn Assets) -> Builder<'d> {
         let (textures, materials) = (textures::Builder::new(description, assets), Materials::default());
         let (named, asks) = (HashMap::new(), HashMap::new());
-        Builder { description, textures, materials, named, asks, default: None, black: None }
+        Builder { description, textures, materials, named, depth: 0, asks, default: None, black: None }
     }
 
     /// The textures, for what else has some.
@@ -92,9 +97,15 @@ impl<'d> Builder<'d> {
         let Some(material) = self.description.materials.get(name) else {
             return Err(unknown("material", name, self.description.materials.keys(), key));
         };
+        if self.depth == DEEPEST {
+            return Err(Error::at_key(key, format!("the material '{name}' is too deep in others"))
+                .with_hint(format!("materials can be made of materials made of materials, {DEEPEST} in all")));
+        }
         self.named.insert(name, Named::UnderWay);
+        self.depth += 1;
         // The fault lies where the material is written, not where it is used.
         let id = self.add(material).map_err(|error| error.under(&format!("materials.{name}")).at_root())?;
+        self.depth -= 1;
         self.named.insert(name, Named::Done(id));
         Ok(id)
     }

@@ -56,7 +56,7 @@ impl<'d> Builder<'d> {
             );
         }
         check::transform("transform", &shape.transform)?;
-        let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
+        let geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
         let material = materials.of_shape(shape.material.as_ref(), false)?;
         let asks = materials.asks(material);
         self.records.push(ShapeRecord { material, light: None, asks, name: shape.name.clone() });
@@ -90,7 +90,7 @@ impl<'d> Builder<'d> {
         if let GeometryDescription::Instance { group } = &shape.geometry {
             return self.add_instance(shape, group);
         }
-        let geometry = geometry(&shape.geometry, &shape.transform.0, assets)?;
+        let geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
         let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some())?;
         let (mut light, mut asks) = (None, materials.asks(material));
         if let Some(emission) = &shape.emission {
@@ -160,6 +160,16 @@ fn geometry(geometry: &GeometryDescription, to_world: &Mat4, assets: &dyn Assets
         GeometryDescription::Instance { .. } => Err(Error::new("a group cannot hold instances")),
         GeometryDescription::Triangles(data) => mesh(data, to_world, "the mesh"),
     }
+}
+
+/// The shape, unless numbers cannot hold where its transform has put it.
+fn within_reach(shape: Shape) -> Result<Shape> {
+    let finite = shape.bounds().is_none_or(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
+    if finite && !shape.area().is_nan() {
+        return Ok(shape);
+    }
+    Err(Error::new("the shape is too large or too far away: numbers cannot hold its coordinates")
+        .with_hint("give it smaller numbers, or a smaller scale"))
 }
 
 fn mesh(data: &Arc<MeshData>, to_world: &Mat4, name: &str) -> Result<Shape> {

@@ -16,6 +16,10 @@ use crate::texture::{Asks, Bitmap, Checkerboard, Pyramid, Texture};
 /// Textures can be made of textures, so deep. Three to a mix, they are some thousands at most.
 const DEEPEST: usize = 8;
 
+/// Textures with all that they are made of, each counted wherever it is used: what is named is made anew there, so that
+/// a short file could ask for millions.
+const MOST: usize = 1 << 20;
+
 /// Resolves textures as materials and lights ask for them.
 pub(super) struct Builder<'d> {
     description: &'d SceneDescription,
@@ -24,6 +28,8 @@ pub(super) struct Builder<'d> {
     under_way: Vec<&'d str>,
     pyramids: HashMap<Decoded<'d>, Arc<Pyramid>>,
     asked: Asks,
+    /// Textures built so far.
+    built: usize,
 }
 
 /// What makes two uses of one file differ in memory.
@@ -49,7 +55,7 @@ pub(super) enum Quantity {
 impl<'d> Builder<'d> {
     pub(super) fn new(description: &'d SceneDescription, assets: &'d dyn Assets) -> Builder<'d> {
         let (under_way, pyramids) = (Vec::new(), HashMap::new());
-        Builder { description, assets, under_way, pyramids, asked: Asks::default() }
+        Builder { description, assets, under_way, pyramids, asked: Asks::default(), built: 0 }
     }
 
     /// What the textures built since the last call of this ask for.
@@ -110,6 +116,11 @@ impl<'d> Builder<'d> {
     }
 
     fn texture(&mut self, texture: &'d TextureDescription, quantity: Quantity, is_raw: bool) -> Result<Texture> {
+        self.built += 1;
+        if self.built > MOST {
+            return Err(Error::new(format!("the materials have more than {MOST} textures together"))
+                .with_hint("let textures be made of fewer others, or materials share them"));
+        }
         match texture {
             TextureDescription::Bitmap { file, raw, channel, filter, wrap, wrap_v, to_uv } => {
                 let decoded = Decoded { file, raw: *raw || is_raw, mip: *filter == TextureFilter::Mip, quantity };

@@ -9,8 +9,11 @@ use super::super::value::{self, SpectrumText};
 use super::{File, Parser};
 use crate::error::{Error, Result, did_you_mean};
 
-/// Bytes of an attribute with its parameters filled in: parameters made of parameters may grow without end.
-const LONGEST_VALUE: usize = 1 << 20;
+/// Bytes by which parameters may make all values of a file longer: parameters made of parameters may grow without end.
+const MOST_GROWTH: usize = 1 << 22;
+
+/// Bytes of the longest name of a parameter that is looked for.
+const LONGEST_NAME: usize = 256;
 
 /// An attribute with its parameters filled in.
 pub(super) struct Attribute<'a> {
@@ -64,7 +67,7 @@ impl Parser<'_> {
                 continue;
             }
             // Mitsuba replaces known names wherever they stand, so "$res_x" may be "$res" and "_x".
-            let known = (1..=length).rev().find(|&end| self.parameters.contains_key(&part[..end]));
+            let known = (1..=length.min(LONGEST_NAME)).rev().find(|&end| self.parameters.contains_key(&part[..end]));
             let Some(end) = known else {
                 let name = &part[..length];
                 let near = did_you_mean(name, self.parameters.keys().map(String::as_str));
@@ -77,8 +80,9 @@ impl Parser<'_> {
             self.needed.insert(part[..end].to_string());
             filled.push_str(&self.parameters[&part[..end]]);
             filled.push_str(&part[end..]);
-            if filled.len() > LONGEST_VALUE + text.len() {
-                return Err(self.fault(spot, "the parameters make this value too long"));
+            self.grown += self.parameters[&part[..end]].len();
+            if self.grown > MOST_GROWTH {
+                return Err(self.fault(spot, "the parameters make the values too long"));
             }
         }
         Ok(filled)

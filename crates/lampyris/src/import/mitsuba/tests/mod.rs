@@ -2,6 +2,7 @@
 
 mod documents;
 mod groups;
+mod hostile;
 mod lights;
 mod materials;
 mod mutations;

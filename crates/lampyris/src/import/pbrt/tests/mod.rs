@@ -1,6 +1,7 @@
 //! What files mean and how they are refused, from files in memory.
 
 mod files;
+mod hostile;
 mod materials;
 mod mutations;
 mod parts;
