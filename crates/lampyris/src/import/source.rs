@@ -94,7 +94,7 @@ impl Lines {
                 stations.push(here);
             } else if character != '\u{feff}' {
                 here = Station { at: at + character.len_utf8(), column: here.column + 1, ..here };
-                if here.column % STATION == 0 {
+                if here.column.is_multiple_of(STATION) {
                     stations.push(here);
                 }
             }
