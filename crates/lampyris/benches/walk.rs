@@ -5,6 +5,7 @@
 mod scenes;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use lampyris::film::Layers;
 use lampyris::integrator::{Pass, PhotonMapping, Silent, integrator};
 use lampyris::scene::description::{
     FilmDescription, IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings,
@@ -32,7 +33,7 @@ fn walks(criterion: &mut Criterion) {
     ] {
         let integrator = integrator(&scene, &film, &description, 0, &Silent);
         group.bench_function(format!("a pass of {}, 64×64", integrator.name()), |bencher| {
-            bencher.iter(|| pool.install(|| integrator.pass(&scene, &film, &pass, &Silent)));
+            bencher.iter(|| pool.install(|| integrator.expose(&scene, &film, &pass, Layers::NONE, &Silent)));
         });
     }
     group.finish();

@@ -3,7 +3,7 @@
 mod common;
 
 use common::lit;
-use lampyris::film::Film;
+use lampyris::film::{Film, Layers};
 use lampyris::integrator::{Pass, Silent, integrator};
 
 /// Places on a plane, looked at from straight above, below a lamp at the height 1: 16 × 16 pixels of 0.125, each of
@@ -50,7 +50,8 @@ fn errors(settings: &str, at: &[u32]) -> Vec<f64> {
         let mut picture = Film::new(film.size);
         for (sum, &passes) in sums.iter_mut().zip(at) {
             while picture.passes() < passes {
-                picture.add(&way.pass(scene, film, &Pass { index: picture.passes(), seed }, &Silent));
+                let pass = Pass { index: picture.passes(), seed };
+                picture.add_pass(&way.expose(scene, film, &pass, Layers::NONE, &Silent));
             }
             *sum += squared_error(&picture) / SEEDS as f64;
         }
@@ -115,7 +116,7 @@ fn shadow_rays_converge_with_the_number_of_samples() {
         .map(|&passes| {
             while picture.passes() < passes {
                 let pass = Pass { index: picture.passes(), seed: 0 };
-                picture.add(&way.pass(&lit.scene, &lit.description.film, &pass, &Silent));
+                picture.add_pass(&way.expose(&lit.scene, &lit.description.film, &pass, Layers::NONE, &Silent));
             }
             let image = picture.image();
             image.pixels().iter().map(|pixel| (f64::from(pixel[0]) - 1.0).powi(2)).sum::<f64>() / 256.0

@@ -4,12 +4,9 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{UVec2, Vec2};
+use glam::Vec2;
 
 use crate::scene::description::{FilmDescription, FilterDescription as Filter};
-
-/// The Gaussian is cut at this many standard deviations.
-const GAUSSIAN_CUT: f32 = 4.0;
 
 impl Filter {
     /// Where a sample of a pixel lies, in pixels from its centre.
@@ -29,11 +26,7 @@ impl Filter {
 
     /// Over how many pixels in each direction a point of a pixel can be spread.
     pub fn reach(&self) -> u32 {
-        let radius = match *self {
-            Filter::Box { radius } | Filter::Tent { radius } => radius,
-            Filter::Gaussian { stddev } => GAUSSIAN_CUT * stddev,
-        };
-        (radius - 0.5).ceil().max(0.0) as u32
+        (self.radius() - 0.5).ceil().max(0.0) as u32
     }
 
     /// The filter's value, of integral 1 over the plane of pixels, at this offset from its middle.
@@ -49,9 +42,7 @@ impl Filter {
             }
             Filter::Gaussian { stddev } => {
                 let half2 = 0.5 * offset.length_squared() / (stddev * stddev);
-                let cut = 0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT;
-                let kept = 1.0 - (-cut).exp();
-                if half2 < cut { (-half2).exp() / (TAU * stddev * stddev * kept) } else { 0.0 }
+                if half2 < HALF_CUT2 { (-half2).exp() / (TAU * stddev * stddev * kept()) } else { 0.0 }
             }
         }
     }
@@ -62,8 +53,7 @@ impl Filter {
             Filter::Box { radius } => (2.0 * u - 1.0) * radius,
             Filter::Tent { radius } => Vec2::new(tent(u.x), tent(u.y)) * radius,
             Filter::Gaussian { stddev } => {
-                let kept = 1.0 - (-0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT).exp();
-                let radius = (-2.0 * (1.0 - u.x * kept).ln()).sqrt();
+                let radius = (-2.0 * (1.0 - u.x * kept()).ln()).sqrt();
                 Vec2::from_angle(TAU * u.y) * (radius * stddev)
             }
         }
@@ -83,17 +73,24 @@ impl FilmDescription {
     pub fn pixels_at(&self, at: Vec2) -> impl Iterator<Item = (u32, f32)> {
         let reach = self.filter.reach() as f32;
         let [width, height] = self.size.map(|side| side as f32);
-        // Far outside, and not even numbers: no pixels.
-        let near = at.x > -reach - 1.0 && at.y > -reach - 1.0 && at.x < width + reach && at.y < height + reach;
         let middle = at.floor();
+        // What lies far outside, or is not even a number, has no pixels.
         let first = (middle - reach).max(Vec2::ZERO).as_uvec2();
         let last = (middle + reach + 1.0).min(Vec2::new(width, height)).max(Vec2::ZERO).as_uvec2();
-        let last = if near { last } else { first.min(UVec2::ZERO) };
+        let last = if at.is_nan() { first } else { last };
         (first.y..last.y).flat_map(move |y| (first.x..last.x).map(move |x| (x, y))).filter_map(move |(x, y)| {
             let share = self.filter.value(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - at);
             (share > 0.0).then_some((y * self.size[0] + x, share))
         })
     }
+}
+
+/// Half the squared number of standard deviations at which the Gaussian is cut.
+const HALF_CUT2: f32 = 0.5 * Filter::GAUSSIAN_CUT * Filter::GAUSSIAN_CUT;
+
+/// The share of a Gaussian that is not cut.
+fn kept() -> f32 {
+    1.0 - (-HALF_CUT2).exp()
 }
 
 /// Distributed like 1 - |x| on -1..1.

@@ -264,12 +264,12 @@ pub struct Features {
 /// A pass: its picture, and the features of its pixels if layers were asked for and the pass has them.
 #[derive(Clone, Debug)]
 pub struct Exposure {
-    /// Linear radiance: the sum of the samples with their weights, over the mean of that sum of weights over all passes.
+    /// Linear radiance: the sum of the samples of each pixel, times what they weigh, over how many there are.
     pub image: Image,
     /// Of each pixel, row by row, or none at all.
     pub features: Vec<Features>,
-    /// What the samples of a pixel weigh in this pass, 1 on average; none where it always is 1. A [`Film`](super::Film)
-    /// divides by the mean of the weights, which takes away the noise that they have of themselves.
+    /// What the samples of a pixel weigh on average, which is 1 on average over passes; empty where it is 1 in each. A
+    /// [`Film`](super::Film) divides by its mean, which takes away the noise that the weights have of themselves.
     pub weights: Vec<f32>,
 }
 

@@ -2,8 +2,11 @@
 
 mod filter;
 mod layers;
+mod spread;
 
 pub use layers::{Exposure, Features, Layer, Layered, Layers, Plain, Sink};
+
+pub(crate) use spread::{Band, Sums};
 
 use layers::LayerSums;
 

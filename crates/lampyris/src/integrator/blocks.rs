@@ -6,11 +6,10 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
-use crate::film::{Exposure, Sink};
-use crate::image::Image;
+use crate::film::{Band, Exposure, Sink, Sums};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
-use crate::scene::description::{FilmDescription, FilterDescription};
+use crate::scene::description::FilmDescription;
 use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
@@ -54,100 +53,16 @@ pub(super) fn camera_pass<W, S: Sink>(
     };
     let mut sums = Sums::<S>::new(width, height, reach);
     let rows = height + 2 * reach;
-    for first in (0..rows).step_by(ROWS_AT_ONCE) {
-        let bands: Vec<Band<S>> = (first..(first + ROWS_AT_ONCE).min(rows)).into_par_iter().map(row).collect();
+    let at_once = (ROWS_AT_ONCE / (2 * reach + 1)).max(rayon::current_num_threads());
+    for first in (0..rows).step_by(at_once) {
+        let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
         (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
     }
     sums.exposure(samples)
 }
 
-/// Rows whose bands wait to be summed at most, so that they need little memory.
+/// Rows of pixels that wait to be summed, so that they need little memory; a band around a row has several.
 const ROWS_AT_ONCE: usize = 128;
-
-/// What the samples of one row leave in the rows around it: as far up and down, and to both sides, as the filter reaches.
-struct Band<S> {
-    width: usize,
-    reach: usize,
-    /// Row by row, each with the weight of what it was given.
-    pixels: Vec<(S, f32)>,
-}
-
-impl<S: Sink> Band<S> {
-    fn new(width: usize, reach: usize) -> Band<S> {
-        let mut pixels = Vec::new();
-        pixels.resize_with(width * (2 * reach + 1), || (S::default(), 0.0));
-        Band { width, reach, pixels }
-    }
-
-    /// Spreads a sample of the pixel in column `x` at this place from its centre. Columns are counted from the leftmost
-    /// one that reaches the picture.
-    #[inline]
-    fn add(&mut self, x: usize, place: Vec2, filter: &FilterDescription, sink: &S) {
-        if self.reach == 0 {
-            let (sum, weight) = &mut self.pixels[x];
-            sum.take(sink, 1.0);
-            *weight += 1.0;
-            return;
-        }
-        let reach = self.reach;
-        let columns = x.saturating_sub(2 * reach)..(x + 1).min(self.width);
-        for row in 0..=2 * reach {
-            for column in columns.clone() {
-                let to = Vec2::new((column + reach) as f32 - x as f32, row as f32 - reach as f32);
-                let share = filter.value(to - place);
-                if share > 0.0 {
-                    let (sum, weight) = &mut self.pixels[row * self.width + column];
-                    sum.take(sink, share);
-                    *weight += share;
-                }
-            }
-        }
-    }
-
-    /// The row itself, for those who cannot wait for its neighbours.
-    fn middle_row(&self) -> Vec<[f32; 3]> {
-        let middle = &self.pixels[self.reach * self.width..][..self.width];
-        middle.iter().map(|(sum, weight)| (sum.radiance() / weight.max(f32::MIN_POSITIVE)).to_rgb()).collect()
-    }
-}
-
-/// What all rows leave in the picture.
-struct Sums<S> {
-    width: usize,
-    height: usize,
-    reach: usize,
-    pixels: Vec<(S, f32)>,
-}
-
-impl<S: Sink> Sums<S> {
-    fn new(width: usize, height: usize, reach: usize) -> Sums<S> {
-        let mut pixels = Vec::new();
-        pixels.resize_with(width * height, || (S::default(), 0.0));
-        Sums { width, height, reach, pixels }
-    }
-
-    /// Adds the band around row `y`, counted from the uppermost one that reaches the picture; in the order of the rows.
-    fn add(&mut self, y: usize, band: &Band<S>) {
-        for (row, from) in band.pixels.chunks(self.width.max(1)).enumerate() {
-            let Some(row) = (y + row).checked_sub(2 * self.reach).filter(|&row| row < self.height) else { continue };
-            let to = &mut self.pixels[row * self.width..][..self.width];
-            for ((sum, weight), (more, of)) in to.iter_mut().zip(from) {
-                sum.take(more, 1.0);
-                *weight += of;
-            }
-        }
-    }
-
-    fn exposure(self, samples: u32) -> Exposure {
-        let n = samples as f32;
-        let pixels = self.pixels.iter().map(|(sum, _)| (sum.radiance() / n).to_rgb()).collect();
-        let image =
-            Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
-        let weights =
-            if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
-        Exposure { image, features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(), weights }
-    }
-}
 
 /// Light paths are traced in blocks of this many.
 pub(super) const BLOCK: u64 = 4096;

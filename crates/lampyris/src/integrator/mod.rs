@@ -12,7 +12,6 @@ pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
 
 use crate::film::{Exposure, Layers};
-use crate::image::Image;
 pub use crate::observer::{Observer, Phase, Silent, Work};
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, IntegratorDescription};
@@ -38,11 +37,6 @@ pub trait Integrator: Send + Sync {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure;
-
-    /// The picture of one pass alone, in linear radiance.
-    fn pass(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Image {
-        self.expose(scene, film, pass, Layers::NONE, observer).image
-    }
 
     /// Its name on the command line.
     fn name(&self) -> &'static str;

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use lampyris::error::Result;
+use lampyris::film::Layers;
 use lampyris::geometry::MeshData;
 use lampyris::image::Image;
 use lampyris::import::toml::read_str;
@@ -91,12 +92,14 @@ impl Lit {
         render.film().image()
     }
 
-    /// The picture of each pass.
+    /// The picture of each pass: the mean over passes is the picture, with any filter.
     pub fn passes(&self, passes: u32) -> Vec<Image> {
         let Lit { description, scene } = self;
         let (film, seed) = (&description.film, description.render.seed);
         let integrator = lampyris::integrator::integrator(scene, film, &description.integrator, seed, &Silent);
-        (0..passes).map(|index| integrator.pass(scene, film, &Pass { index, seed }, &Silent)).collect()
+        (0..passes)
+            .map(|index| integrator.expose(scene, film, &Pass { index, seed }, Layers::NONE, &Silent).image)
+            .collect()
     }
 
     /// For each pass the mean over the picture, per channel.

@@ -46,6 +46,19 @@ pub enum FilterDescription {
     },
 }
 
+impl FilterDescription {
+    /// The Gaussian is cut at this many standard deviations.
+    pub const GAUSSIAN_CUT: f32 = 4.0;
+
+    /// How far from its middle the filter reaches, in pixels; the box and the tent along either axis.
+    pub fn radius(&self) -> f32 {
+        match *self {
+            FilterDescription::Box { radius } | FilterDescription::Tent { radius } => radius,
+            FilterDescription::Gaussian { stddev } => FilterDescription::GAUSSIAN_CUT * stddev,
+        }
+    }
+}
+
 impl Default for FilterDescription {
     fn default() -> FilterDescription {
         FilterDescription::Box { radius: 0.5 }

@@ -13,8 +13,8 @@ const MOST_PIXELS: u64 = 1 << 26;
 /// Most light paths of a pass: 2²⁵, whose photons take some gigabytes. More light is a matter of more passes.
 const MOST_PATHS: u32 = 1 << 25;
 
-/// Largest filter, in pixels: beyond it a picture is a blur and every sample touches thousands of pixels.
-const WIDEST_FILTER: f32 = 100.0;
+/// How far a filter may reach, in pixels: a sample is spread over all that it covers.
+const WIDEST_FILTER: f32 = 16.0;
 
 impl SceneDescription {
     /// Checks the numbers of the integrator, the film, the camera and `render` for their ranges.
@@ -77,8 +77,10 @@ fn film(film: &FilmDescription) -> Result<()> {
         FilterDescription::Gaussian { stddev } => ("film.filter.stddev", stddev),
     };
     positive(key, size)?;
-    if size > WIDEST_FILTER {
-        return Err(Error::at_key(key, format!("'{}' must be at most {WIDEST_FILTER} pixels, not {size}", last(key))));
+    if film.filter.radius() > WIDEST_FILTER {
+        let most = WIDEST_FILTER * size / film.filter.radius();
+        return Err(Error::at_key(key, format!("'{}' must be at most {most} pixels, not {size}", last(key)))
+            .with_hint("blur the finished picture instead"));
     }
     Ok(())
 }
@@ -226,7 +228,7 @@ mod tests {
         fails(
             &filtered(FilterDescription::Box { radius: 1e9 }),
             "film.filter.radius",
-            "'radius' must be at most 100 pixels, not 1000000000",
+            "'radius' must be at most 16 pixels, not 1000000000",
         );
     }
 

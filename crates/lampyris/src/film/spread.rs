@@ -1,0 +1,93 @@
+//! Sums over the samples of a pass, spread over the pixels by a film's filter: bands around rows, which threads make in
+//! any order, and the picture that they are added up to in one.
+
+use glam::Vec2;
+
+use super::{Exposure, Sink};
+use crate::image::Image;
+use crate::scene::description::FilterDescription;
+
+/// What the samples of one row leave in the rows around it: as far up and down, and to both sides, as the filter reaches.
+pub(crate) struct Band<S> {
+    width: usize,
+    reach: usize,
+    /// Row by row, each with the weight of what it was given.
+    pixels: Vec<(S, f32)>,
+}
+
+impl<S: Sink> Band<S> {
+    pub(crate) fn new(width: usize, reach: usize) -> Band<S> {
+        let mut pixels = Vec::new();
+        pixels.resize_with(width * (2 * reach + 1), || (S::default(), 0.0));
+        Band { width, reach, pixels }
+    }
+
+    /// Spreads a sample of the pixel in column `x` at this place from its centre. Columns are counted from the leftmost
+    /// one that reaches the picture.
+    #[inline]
+    pub(crate) fn add(&mut self, x: usize, place: Vec2, filter: &FilterDescription, sink: &S) {
+        if self.reach == 0 {
+            let (sum, weight) = &mut self.pixels[x];
+            sum.take(sink, 1.0);
+            *weight += 1.0;
+            return;
+        }
+        let reach = self.reach;
+        let columns = x.saturating_sub(2 * reach)..(x + 1).min(self.width);
+        for row in 0..=2 * reach {
+            for column in columns.clone() {
+                let to = Vec2::new((column + reach) as f32 - x as f32, row as f32 - reach as f32);
+                let share = filter.value(to - place);
+                if share > 0.0 {
+                    let (sum, weight) = &mut self.pixels[row * self.width + column];
+                    sum.take(sink, share);
+                    *weight += share;
+                }
+            }
+        }
+    }
+
+    /// The row itself, for those who cannot wait for its neighbours.
+    pub(crate) fn middle_row(&self) -> Vec<[f32; 3]> {
+        let middle = &self.pixels[self.reach * self.width..][..self.width];
+        middle.iter().map(|(sum, weight)| (sum.radiance() / weight.max(f32::MIN_POSITIVE)).to_rgb()).collect()
+    }
+}
+
+/// What all rows leave in the picture.
+pub(crate) struct Sums<S> {
+    width: usize,
+    height: usize,
+    reach: usize,
+    pixels: Vec<(S, f32)>,
+}
+
+impl<S: Sink> Sums<S> {
+    pub(crate) fn new(width: usize, height: usize, reach: usize) -> Sums<S> {
+        let mut pixels = Vec::new();
+        pixels.resize_with(width * height, || (S::default(), 0.0));
+        Sums { width, height, reach, pixels }
+    }
+
+    /// Adds the band around row `y`, counted from the uppermost one that reaches the picture; in the order of the rows.
+    pub(crate) fn add(&mut self, y: usize, band: &Band<S>) {
+        for (row, from) in band.pixels.chunks(self.width.max(1)).enumerate() {
+            let Some(row) = (y + row).checked_sub(2 * self.reach).filter(|&row| row < self.height) else { continue };
+            let to = &mut self.pixels[row * self.width..][..self.width];
+            for ((sum, weight), (more, of)) in to.iter_mut().zip(from) {
+                sum.take(more, 1.0);
+                *weight += of;
+            }
+        }
+    }
+
+    pub(crate) fn exposure(self, samples: u32) -> Exposure {
+        let n = samples as f32;
+        let pixels = self.pixels.iter().map(|(sum, _)| (sum.radiance() / n).to_rgb()).collect();
+        let image =
+            Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
+        let weights =
+            if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
+        Exposure { image, features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(), weights }
+    }
+}
