@@ -279,22 +279,19 @@ impl<'a> Bsdf<'a> {
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
         if let Some((part, event)) = self.only(follow) {
-            return self.sample_only(part, event, to_previous, sampler);
+            let rest = sampler.uniform();
+            let u = numbers(rest, sampler);
+            return part.follow(event, 1.0, to_previous, u, |to_next| {
+                (part.pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
+            });
         }
         let weights = self.weights(to_previous, follow);
         let used = weights[..usize::from(self.count)].as_flattened();
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
         let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
-        let local = part.turned(to_previous);
-        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square().extend(rest))?;
-        let to_next = part.turned(to_next);
-        if Lobes::DELTA.contains(event) {
-            let weight = part.model.scatter().shares(local)[event.index()] * (part.weight / probability);
-            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio });
-        }
-        let pdf = self.smooth_pdf(&weights, to_previous, to_next) / total;
-        let weight = self.eval(to_previous, to_next) * (to_next.z.abs() / pdf);
-        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio })
+        part.follow(event, probability, to_previous, numbers(rest, sampler), |to_next| {
+            (self.smooth_pdf(&weights, to_previous, to_next) / total, self.eval(to_previous, to_next))
+        })
     }
 
     /// The event that happens where there is nothing to choose, by far the most frequent case.
@@ -302,22 +299,6 @@ impl<'a> Bsdf<'a> {
     fn only(&self, follow: Lobes) -> Option<(&Part<'a>, Event)> {
         let [part] = self.parts() else { return None };
         Some((part, self.lobes.and(follow).only()?))
-    }
-
-    /// [`Bsdf::sample`] where nothing else can happen.
-    #[inline]
-    fn sample_only(&self, part: &Part, event: Event, to_previous: Vec3, sampler: &mut Sampler) -> Option<Scattered> {
-        let rest = sampler.uniform();
-        let local = part.turned(to_previous);
-        let (to_next, ior_ratio) = part.model.scatter().sample(event, local, sampler.square().extend(rest))?;
-        let to_next = part.turned(to_next);
-        if Lobes::DELTA.contains(event) {
-            let weight = part.model.scatter().shares(local)[event.index()] * part.weight;
-            return Some(Scattered { to_next, weight, pdf: 1.0, event, ior_ratio });
-        }
-        let pdf = part.pdf(event, to_previous, to_next);
-        let weight = part.eval(to_previous, to_next) * (to_next.z.abs() / pdf);
-        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio })
     }
 
     /// The weight of every event of every part in the choice of one.
@@ -375,6 +356,34 @@ impl Part<'_> {
     fn turned(&self, direction: Vec3) -> Vec3 {
         if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }
     }
+
+    /// A direction for an event that was chosen with this probability; `smooth` gives the density and the value of all
+    /// that could have led there.
+    #[inline]
+    fn follow(
+        &self,
+        event: Event,
+        probability: f32,
+        to_previous: Vec3,
+        u: Vec3,
+        smooth: impl FnOnce(Vec3) -> (f32, Spectrum),
+    ) -> Option<Scattered> {
+        let local = self.turned(to_previous);
+        let (to_next, ior_ratio) = self.model.scatter().sample(event, local, u)?;
+        let to_next = self.turned(to_next);
+        if Lobes::DELTA.contains(event) {
+            let weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio });
+        }
+        let (pdf, value) = smooth(to_next);
+        (pdf > 0.0).then_some(Scattered { to_next, weight: value * (to_next.z.abs() / pdf), pdf, event, ior_ratio })
+    }
+}
+
+/// The numbers that choose a direction, of which what is left of the choice of the event is one.
+#[inline]
+fn numbers(rest: f32, sampler: &mut Sampler) -> Vec3 {
+    sampler.square().extend(rest)
 }
 
 /// The one choice of an event, for both walks: a slot with a probability proportional to its weight, that

@@ -50,6 +50,12 @@ pub(super) fn same_side(to_previous: Vec3, to_next: Vec3) -> bool {
     to_previous.z * to_next.z > 0.0
 }
 
+/// A direction, or its image above the surface.
+#[inline]
+pub(super) fn above(direction: Vec3) -> Vec3 {
+    direction.with_z(direction.z.abs())
+}
+
 /// A direction on the side of `to_previous`, with a density proportional to its cosine.
 #[inline]
 pub(super) fn sample(to_previous: Vec3, u: Vec2) -> Vec3 {

@@ -56,11 +56,13 @@ impl Microfacets {
         if direction.dot(normal) * direction.z <= 0.0 {
             return 0.0;
         }
-        let tan2 = (direction.truncate() * self.alpha).length_squared() / (direction.z * direction.z);
         match self.distribution {
-            MicrofacetDistribution::Ggx => 2.0 / (1.0 + (1.0 + tan2).sqrt()),
-            MicrofacetDistribution::Beckmann if tan2 <= 1.0 / (1.6 * 1.6) => 1.0,
+            MicrofacetDistribution::Ggx => self.visible_exactly(direction),
             MicrofacetDistribution::Beckmann => {
+                let tan2 = self.tan2(direction);
+                if tan2 <= 1.0 / (1.6 * 1.6) {
+                    return 1.0;
+                }
                 // Walter's rational approximation of Smith's function, as all who write pictures to compare have it.
                 let a = 1.0 / tan2.sqrt();
                 (3.535 * a + 2.181 * a * a) / (1.0 + 2.276 * a + 2.577 * a * a)
@@ -80,7 +82,7 @@ impl Microfacets {
 
     /// G₁ without an approximation, since a density has to integrate to 1.
     fn visible_exactly(&self, direction: Vec3) -> f32 {
-        let tan2 = (direction.truncate() * self.alpha).length_squared() / (direction.z * direction.z);
+        let tan2 = self.tan2(direction);
         match self.distribution {
             MicrofacetDistribution::Ggx => 2.0 / (1.0 + (1.0 + tan2).sqrt()),
             MicrofacetDistribution::Beckmann => {
@@ -88,6 +90,12 @@ impl Microfacets {
                 if a > 4.0 { 1.0 } else { 2.0 / (1.0 + erf(a) + (-a * a).exp() / (a * PI.sqrt())) }
             }
         }
+    }
+
+    /// Squared tangent of a direction's angle, times its roughness.
+    #[inline]
+    fn tan2(&self, direction: Vec3) -> f32 {
+        (direction.truncate() * self.alpha).length_squared() / (direction.z * direction.z)
     }
 
     /// A normal among those visible from `direction`, each as often as it is seen.

@@ -227,7 +227,13 @@ pub enum Material {
 
 /// All materials of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Materials(Vec<Material>, Vec<Needs>);
+pub struct Materials {
+    materials: Vec<Material>,
+    /// Of each.
+    needs: Vec<Needs>,
+    /// Whether any has holes.
+    holes: bool,
+}
 
 /// What a material asks of a surface besides its texture coordinates.
 #[derive(Clone, Copy, Debug, Default)]
@@ -240,13 +246,14 @@ impl Materials {
     /// Adds a material, which may name only earlier ones, and returns its number.
     pub fn add(&mut self, material: Material) -> MaterialId {
         let needs = self.needs(&material);
-        self.0.push(material);
-        self.1.push(needs);
-        (self.0.len() - 1) as MaterialId
+        self.holes |= needs.holes;
+        self.materials.push(material);
+        self.needs.push(needs);
+        (self.materials.len() - 1) as MaterialId
     }
 
     fn needs(&self, material: &Material) -> Needs {
-        let of = |id: &MaterialId| self.1[*id as usize];
+        let of = |id: &MaterialId| self.needs[*id as usize];
         let both = |a: Needs, b: Needs| Needs { tangents: a.tangents || b.tangents, holes: a.holes || b.holes };
         match material {
             Material::TwoSided { front, back } => both(of(front), of(back)),
@@ -268,27 +275,27 @@ impl Materials {
     /// Whether the directions of a surface's tangents make a difference to the material.
     #[inline]
     pub fn has_tangents(&self, id: MaterialId) -> bool {
-        self.1[id as usize].tangents
+        self.needs[id as usize].tangents
     }
 
     /// Whether any material has holes.
     pub fn have_holes(&self) -> bool {
-        self.1.iter().any(|needs| needs.holes)
+        self.holes
     }
 
     /// How many there are.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.materials.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.materials.is_empty()
     }
 
     /// How many parts the [`Bsdf`] of a material has at most.
     pub fn parts(&self, id: MaterialId) -> usize {
-        match &self.0[id as usize] {
+        match &self.materials[id as usize] {
             Material::TwoSided { front, back } => self.parts(*front).max(self.parts(*back)),
             Material::Mask { material, .. } => self.parts(*material) + 1,
             Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => self.parts(*material),
@@ -322,7 +329,7 @@ impl Materials {
         flipped: bool,
         bsdf: &mut Bsdf<'a>,
     ) {
-        let model = match &self.0[id as usize] {
+        let model = match &self.materials[id as usize] {
             Material::TwoSided { front: material, .. } if front => {
                 return self.collect(*material, at, true, weight, flipped, bsdf);
             }

@@ -19,7 +19,7 @@ impl Materials {
     /// The normal that the maps of a material make of +z, as seen from `view` on the side of the normal (`front`) or the
     /// other one. All of it is in the frame around the shading normal with its x axis along ∂p/∂u.
     pub fn normal(&self, id: MaterialId, at: &Lookup, front: bool, view: Vec3, slopes: &Slopes) -> Vec3 {
-        match &self.0[id as usize] {
+        match &self.materials[id as usize] {
             Material::NormalMap { normals, strength, material } => {
                 let map = Vec3::from_array(normals.at(at).to_rgb()) * 2.0 - 1.0;
                 let normal = facing(map * Vec3::new(*strength, *strength, 1.0), view);

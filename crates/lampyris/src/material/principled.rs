@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
+use super::diffuse::above;
 use super::microfacet::mirrored;
 use super::rough_glass::refracted;
 use super::{Event, MicrofacetDistribution, Microfacets, Scatter, Shares, diffuse};
@@ -334,7 +335,7 @@ impl Scatter for PrincipledThin {
 
     fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
         let reflects = diffuse::same_side(to_previous, to_next);
-        let (a, b) = (super::rough_conductor::above(to_previous), super::rough_conductor::above(to_next));
+        let (a, b) = (above(to_previous), above(to_next));
         let facets = self.facets(reflects);
         let Some((clear, normal)) = facets.reflection(a, b) else { return Spectrum::ZERO };
         let cos = a.dot(normal);
@@ -360,7 +361,7 @@ impl Scatter for PrincipledThin {
 
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
         let reflects = diffuse::same_side(to_previous, to_next);
-        let (a, b) = (super::rough_conductor::above(to_previous), super::rough_conductor::above(to_next));
+        let (a, b) = (above(to_previous), above(to_next));
         let [reflection, passing, diffuse] = self.chances();
         let (clear, diffuse) =
             if reflects { (reflection, diffuse) } else { (passing, 1.0 - reflection - passing - diffuse) };
@@ -368,7 +369,7 @@ impl Scatter for PrincipledThin {
     }
 
     fn sample(&self, _: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
-        let above = super::rough_conductor::above(to_previous);
+        let above = above(to_previous);
         let [reflection, passing, diffuse] = self.chances();
         let reflects = u.z < reflection || (u.z >= reflection + passing && u.z < reflection + passing + diffuse);
         let to_next = if u.z < reflection + passing {

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::diffuse;
+use super::diffuse::{self, above};
 use super::table::Row;
 use super::{Event, Microfacets, Scatter, Shares};
 use crate::math::fresnel;
@@ -59,12 +59,6 @@ impl RoughConductor<'_> {
         let mean = self.metal.mean * self.reflectance;
         mean.map(|mean| mean * mean * white.mean / (1.0 - mean * (1.0 - white.mean)))
     }
-}
-
-/// A direction, or its image above the surface.
-#[inline]
-pub(super) fn above(direction: Vec3) -> Vec3 {
-    direction.with_z(direction.z.abs())
 }
 
 impl Scatter for RoughConductor<'_> {

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_2_PI, PI};
 
 use glam::Vec3;
 
-use super::rough_conductor::above;
+use super::diffuse::above;
 use super::{Event, Scatter, Shares, diffuse};
 use crate::spectrum::Spectrum;
 

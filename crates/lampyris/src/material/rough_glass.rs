@@ -89,8 +89,7 @@ impl RoughGlass<'_> {
     #[inline]
     fn facet(&self, to_previous: Vec3, to_next: Vec3) -> Option<Facet> {
         let reflects = diffuse::same_side(to_previous, to_next);
-        let ior_ratio = if to_previous.z > 0.0 { self.ior } else { 1.0 / self.ior };
-        let middle = to_previous + if reflects { to_next } else { to_next * ior_ratio };
+        let middle = to_previous + if reflects { to_next } else { to_next * self.ior_ratio(to_previous) };
         let normal = middle.try_normalize()?;
         let normal = if normal.z < 0.0 { -normal } else { normal };
         let (previous, next) = (to_previous.dot(normal), to_next.dot(normal));
@@ -176,10 +175,9 @@ impl Scatter for RoughGlass<'_> {
             return share * warp::cosine_hemisphere_pdf(to_next.z.abs());
         }
         let Some(facet) = self.facet(to_previous, to_next) else { return 0.0 };
-        let (up, normal) = if to_previous.z > 0.0 { (to_previous, facet.normal) } else { (-to_previous, facet.normal) };
         let chance = self.chance(&facet.boundary);
         let chance = if facet.reflects { chance } else { 1.0 - chance };
-        self.facets.pdf(up, normal) * chance * facet.stretch()
+        self.facets.pdf(to_previous * to_previous.z.signum(), facet.normal) * chance * facet.stretch()
     }
 
     fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
@@ -188,8 +186,7 @@ impl Scatter for RoughGlass<'_> {
             let same = diffuse::sample(to_previous, u.truncate());
             return Some(if u.z < through { (-same, self.ior_ratio(to_previous)) } else { (same, 1.0) });
         }
-        let up = if to_previous.z > 0.0 { to_previous } else { -to_previous };
-        let normal = self.facets.sample(up, u.truncate());
+        let normal = self.facets.sample(to_previous * to_previous.z.signum(), u.truncate());
         let boundary = fresnel::dielectric(to_previous.dot(normal), self.ior);
         if u.z < self.chance(&boundary) {
             let to_next = mirrored(to_previous, normal);

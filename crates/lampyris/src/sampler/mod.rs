@@ -32,7 +32,7 @@ impl Sampler {
         Sampler { random: random(key), sequence: None }
     }
 
-    /// The numbers of path `number` = 0, 1, 2 … of a `family` (a pixel, or all light paths): those of one family fill
+    /// The numbers of path `number` = 0, 1, 2 … of a `family` (a pixel's): those of one family fill
     /// the space of paths evenly, in the dimensions of the first vertices. The families are independent.
     pub fn even(seed: u64, purpose: u32, family: u64, number: u64) -> Sampler {
         let family = keyed([seed ^ EVEN, u64::from(purpose), family]);

@@ -50,12 +50,11 @@ impl Sequence {
         }
         self.dimension = 0;
         if self.set < SETS {
-            let seed = hash(self.seed ^ HASHED_SETS[self.set as usize]);
-            let point = sobol(scramble(self.index, seed));
-            // Step by step for all four, so that the compiler takes them together.
-            let seeds = [1, 2, 3, 4].map(|dimension| hash(seed.wrapping_add(dimension)));
-            let scrambled: [u32; DIMENSIONS] = std::array::from_fn(|i| scramble(point[i], seeds[i]));
-            self.point = scrambled.map(u32::reverse_bits);
+            let seed = hash(self.seed ^ hash(self.set));
+            self.point = sobol(scramble(self.index, seed));
+            for (value, dimension) in self.point.iter_mut().zip(1..) {
+                *value = scramble(*value, hash(seed.wrapping_add(dimension))).reverse_bits();
+            }
         }
     }
 }
@@ -73,18 +72,8 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The [`hash`] of every set's number.
-static HASHED_SETS: [u32; SETS as usize] = {
-    let (mut hashes, mut set) = ([0; SETS as usize], 0);
-    while set < SETS {
-        hashes[set as usize] = hash(set);
-        set += 1;
-    }
-    hashes
-};
-
 /// A bijection of 32 bits in which every bit matters to every bit [Wellons 2018].
-const fn hash(mut x: u32) -> u32 {
+fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
     x ^= x >> 15;

@@ -71,8 +71,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
     let materials = materials.finish();
-    let holes = materials.have_holes();
-    Ok(Built { scene: Scene { surfaces, shapes: records, materials, holes, lights, camera, meter }, warnings })
+    Ok(Built { scene: Scene { surfaces, shapes: records, materials, lights, camera, meter }, warnings })
 }
 
 /// The number of the shape whose irradiance is measured in place of a picture.

@@ -31,8 +31,6 @@ pub struct Scene {
     surfaces: Surfaces,
     shapes: Vec<ShapeRecord>,
     materials: Materials,
-    /// Whether any material has holes.
-    holes: bool,
     lights: Lights,
     camera: Camera,
     /// The shape whose irradiance is measured in place of a picture.
@@ -295,7 +293,7 @@ impl Scene {
     /// that is left from a point on the way, with its length.
     fn through_holes(&self, mut from: Vec3, rest: impl Fn(Vec3) -> (Ray, f32)) -> f32 {
         let mut share = 1.0;
-        while self.holes && share > 0.0 {
+        while self.materials.have_holes() && share > 0.0 {
             let (ray, distance) = rest(from);
             let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
             let surface = self.surfaces.surface(&ray, &hit);

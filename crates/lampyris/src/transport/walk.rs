@@ -22,8 +22,8 @@ pub trait Visitor {
 pub struct Limits {
     /// Paths are cut after this many scattering events.
     pub max_bounces: u32,
-    /// Roulette begins with this scattering event: 0 for photons, so that all carry about the same flux; later for
-    /// paths from the camera, where the first bounces matter most.
+    /// Roulette begins after this many rays: 0 for photons, so that all carry about the same flux; later for paths from
+    /// the camera, where the first bounces matter most.
     pub roulette_from: u32,
 }
 
