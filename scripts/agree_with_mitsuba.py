@@ -15,17 +15,15 @@ at least 99.75 % of the pixels pass.
 """
 
 import argparse
-import re
-import subprocess
 import sys
-import tempfile
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
 from scipy import stats
+
+import renders
 
 LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 
@@ -40,39 +38,19 @@ def mitsuba_runs(options, size):
 
 
 def lampyris_runs(options, size):
-    pictures = []
-    with tempfile.TemporaryDirectory() as folder:
-        for run in range(options.runs):
-            picture = Path(folder) / "picture.npy"
-            command = [options.lampyris, "render", options.scene, "-o", str(picture), "--quiet", "--seed", str(run)]
-            command += ["--integrator", options.integrator, "--passes", str(options.passes or options.samples)]
-            command += ["--size", f"{size[0]}x{size[1]}"]
-            if options.threads:
-                command += ["--threads", str(options.threads)]
-            for setting in options.set:
-                command += ["--set", setting]
-            for pair in options.define if options.scene.endswith(".xml") else []:
-                command += ["--define", pair]
-            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
-            pictures.append(np.load(picture))
-    return pictures
+    passes, size = options.passes or options.samples, f"{size[0]}x{size[1]}"
+    return [renders.render(options, run, size, passes, options.integrator)[0] for run in range(options.runs)]
 
 
 def arguments(parser, size="128x128"):
     """The options of a comparison."""
+    renders.arguments(parser)
     parser.add_argument("--size", default=size)
     parser.add_argument("--samples", type=int, default=64, help="per pixel and run")
     parser.add_argument("--passes", type=int, help="of Lampyris per run, if not --samples")
     parser.add_argument("--runs", type=int, default=16)
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
-    parser.add_argument("--replace", action="append", default=[], nargs=2, metavar=("OLD", "NEW"))
-    parser.add_argument("--border", action="store_true", help="set sample_border of Mitsuba's film")
-    parser.add_argument("--without", action="append", default=[], metavar="NAME")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("--lampyris", default="target/release/lampyris")
-    parser.add_argument("--threads", type=int, help="of Lampyris; all by default")
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures there, and take Mitsuba's from there")
     parser.add_argument("--clip", type=float, help="cut pixels at this value in every run, against fireflies")
@@ -97,32 +75,9 @@ class Agreement:
         return f"{self.ratio:.4f} ± {self.error:.4f} | {100 * self.passing:.3f} %"
 
 
-@contextmanager
-def edited(options):
-    """The scene with its replacements, among the files that lie beside it."""
-    original = Path(options.scene)
-    if options.border:
-        options.replace.append(["<rfilter", '<boolean name="sample_border" value="true"/><rfilter'])
-    with tempfile.TemporaryDirectory() as folder:
-        if options.replace or options.without:
-            for neighbour in original.resolve().parent.iterdir():
-                if neighbour.name != original.name:
-                    (Path(folder) / neighbour.name).symlink_to(neighbour)
-            text = original.read_text()
-            for old, new in options.replace:
-                if old not in text:
-                    sys.exit(f"the scene does not hold {old}")
-                text = text.replace(old, new)
-            for name in options.without:
-                text = re.sub(rf'<\w+ name="{name}"[^>]*/>', "", text)
-            options.scene = str(Path(folder) / original.name)
-            Path(options.scene).write_text(text)
-        yield options
-
-
 def compare(options):
     """Renders `options.scene` with both programs."""
-    with edited(options) as options:
+    with renders.edited(options) as options:
         return compare_files(options)
 
 

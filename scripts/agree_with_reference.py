@@ -8,19 +8,18 @@ Blocks of 8 x 8 pixels of the reference are compared with single pixels (box fil
 seeds. Their spread gives the noise of ours; that of the reference is estimated from the difference between the black and
 the white squares of a chessboard laid over each block, both averaged over 3 x 3 blocks. Pixels of the reference that are
 not finite are left out, and so are blocks that are brighter than --cut in it, which see lamps, and those beside them, over
-which its filter spreads them. Printed is a row of the
-table in docs/validation.md: the ratio of the means by channel with the standard error of ours, the ratio of the median
-block, the mean difference of blocks and how much of it the noise explains, and the share of blocks within three standard
-deviations. Mitsuba only reads the EXR file.
+which its filter spreads them. Printed is a row of the table in docs/validation.md: the ratio of the means by channel with
+the standard error of ours, the ratio of the median block, the mean difference of blocks and how much of it the noise
+explains, and the share of blocks within three standard deviations. Mitsuba only reads the EXR file.
 """
 
 import argparse
-import subprocess
-import tempfile
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+
+import renders
 
 BLOCK = 8
 LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
@@ -41,24 +40,6 @@ def reference(file, scale):
     return np.nanmean(pieces, axis=(2, 3)), (0.5 * (halves[0] - halves[1])) ** 2
 
 
-def renders(options, size):
-    pictures = []
-    with tempfile.TemporaryDirectory() as folder:
-        for run in range(options.runs):
-            picture = Path(folder) / "picture.npy"
-            command = [options.lampyris, "render", options.scene, "-o", str(picture), "--quiet", "--seed", str(run)]
-            command += ["--size", f"{size[0]}x{size[1]}", "--set", "filter=box", "--passes", str(options.passes)]
-            if options.integrator:
-                command += ["--integrator", options.integrator]
-            if options.threads:
-                command += ["--threads", str(options.threads)]
-            for setting in options.set:
-                command += ["--set", setting]
-            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
-            pictures.append(np.load(picture))
-    return np.stack(pictures)
-
-
 def smooth(values, counts):
     """The mean over those of 3 x 3 neighbours that count."""
     rows, columns = values.shape
@@ -76,13 +57,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scene")
     parser.add_argument("reference")
+    renders.arguments(parser)
     parser.add_argument("--integrator", help="the file's by default")
     parser.add_argument("--passes", type=int, default=64, help="per run")
     parser.add_argument("--runs", type=int, default=4)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--cut", type=float, default=4.0, help="blocks brighter than this are left out")
-    parser.add_argument("--threads", type=int, help="all by default")
-    parser.add_argument("--lampyris", default="target/release/lampyris")
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--scale", type=float, default=1.0, help="multiply the reference by this")
     parser.add_argument("--keep", help="write the blocks of ours and theirs to this .npz")
@@ -90,7 +69,11 @@ def main():
     mi.set_variant(options.variant)
 
     theirs, their_variance = reference(options.reference, options.scale)
-    runs = renders(options, (theirs.shape[1], theirs.shape[0]))
+    options.set.append("filter=box")
+    size = f"{theirs.shape[1]}x{theirs.shape[0]}"
+    with renders.edited(options) as options:
+        runs = [renders.render(options, run, size, options.passes, options.integrator)[0] for run in range(options.runs)]
+    runs = np.stack(runs)
     ours, our_variance = runs.mean(axis=0), (runs @ LUMINANCE).var(axis=0, ddof=1) / len(runs)
     if options.keep:
         np.savez(options.keep, ours=ours, theirs=theirs, our_variance=our_variance, their_variance=their_variance)

@@ -13,15 +13,13 @@ Mitsuba's `llvm_ad_rgb` needs a working LLVM in DRJIT_LIBLLVM_PATH; rustc's own 
 """
 
 import argparse
-import json
 import resource
-import subprocess
-import tempfile
 import time
-from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+
+import renders
 
 
 def mitsuba_run(scene, options, seed):
@@ -31,24 +29,15 @@ def mitsuba_run(scene, options, seed):
     return picture, time.process_time() - processor, time.perf_counter() - clock
 
 
-def lampyris_run(options, seed, folder):
-    picture, stats = Path(folder) / "picture.npy", Path(folder) / "stats.json"
-    command = [options.lampyris, "render", options.scene, "-o", str(picture), "--quiet", "--seed", str(seed)]
-    command += ["--stats", str(stats), "--integrator", "path", "--passes", str(options.passes or options.samples)]
-    command += ["--size", options.size]
-    for pair in options.define:
-        command += ["--define", pair]
-    for setting in options.set:
-        command += ["--set", setting]
+def lampyris_run(options, seed):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     start = time.perf_counter()
-    subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+    picture, statistics = renders.render(options, seed, options.size, options.passes or options.samples, "path")
     all_clock = time.perf_counter() - start
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    seconds = json.loads(stats.read_text())["seconds"]
-    clock = sum(seconds[phase] for phase in ("pilot", "photons", "map", "camera"))
-    return np.load(picture), processor * clock / all_clock, clock
+    clock = sum(statistics["seconds"][phase] for phase in ("pilot", "photons", "map", "camera"))
+    return picture, processor * clock / all_clock, clock
 
 
 def error(runs, mean, keep=None):
@@ -59,28 +48,25 @@ def error(runs, mean, keep=None):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scene")
+    renders.arguments(parser, threads=2)
     parser.add_argument("--size", default="256x256")
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--passes", type=int, help="of Lampyris, if not --samples")
     parser.add_argument("--runs", type=int, default=8)
     parser.add_argument("--target", type=float, default=0.01)
     parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
-    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    parser.add_argument("--lampyris", default="target/release/lampyris")
     parser.add_argument("--variant", default="llvm_ad_rgb")
-    parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
 
     mi.set_variant(options.variant)
     mi.Thread.set_thread_count(options.threads) if hasattr(mi.Thread, "set_thread_count") else None
-    scene = mi.load_file(options.mitsuba_scene or options.scene, **dict(pair.split("=") for pair in options.define))
-    mitsuba_run(scene, options, 1000)  # compiles its kernels
     theirs, ours = [], []
-    with tempfile.TemporaryDirectory() as folder:
+    with renders.edited(options) as options:
+        scene = mi.load_file(options.mitsuba_scene or options.scene, **dict(pair.split("=") for pair in options.define))
+        mitsuba_run(scene, options, 1000)  # compiles its kernels
         for seed in range(options.runs):
             theirs.append(mitsuba_run(scene, options, seed))
-            ours.append(lampyris_run(options, seed, folder))
+            ours.append(lampyris_run(options, seed))
     pictures = {"Mitsuba": np.stack([run[0] for run in theirs]), "Lampyris": np.stack([run[0] for run in ours])}
     mean = np.concatenate(list(pictures.values())).mean(axis=0)
     worst = sum(error(runs, mean) for runs in pictures.values())
