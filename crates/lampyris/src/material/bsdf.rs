@@ -244,6 +244,12 @@ impl<'a> Bsdf<'a> {
         value
     }
 
+    /// Whether there is Lambert's reflection and nothing else.
+    #[inline]
+    pub fn is_lambertian(&self) -> bool {
+        matches!(self.parts(), [Part { model: Model::Diffuse(_), .. }])
+    }
+
     /// The value of [`Bsdf::eval`] where it is the same for all directions on the side of `to_previous`, and zero on the
     /// other.
     #[inline]

@@ -161,6 +161,7 @@ mod tests {
             optical_length: 7.5,
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
+            rivals: 0.0,
             history,
         };
         let photons = vec![
