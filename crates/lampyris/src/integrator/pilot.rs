@@ -42,11 +42,8 @@ pub(super) fn radius(
     median(radii).unwrap_or_else(|| fallback(scene))
 }
 
-/// The distance of the `count`-th nearest photon; infinite if there are fewer.
+/// The distance of the `count`-th nearest photon, or of the farthest if there are fewer.
 pub(super) fn distance(map: &PhotonMap, point: &SurfacePoint, count: usize, found: &mut Nearest) -> f32 {
-    if map.photons().len() < count {
-        return f32::INFINITY;
-    }
     map.nearest(point.surface.position, count, f32::INFINITY, found).0
 }
 
