@@ -1,8 +1,11 @@
 //! Photon mapping: walks from the lamps leave photons, walks from the camera gather them (theory §5).
 
+use serde::{Deserialize, Serialize};
+
 use super::blocks::{BLOCK, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work, dots, pilot};
+use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Deposit, Estimate, Nearest, Photon, PhotonMap, Radius};
@@ -15,7 +18,15 @@ use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
 #[derive(Clone, Debug)]
 pub struct PhotonMapping {
     settings: PhotonMapSettings,
+    pilot: Pilot,
     bandwidth: Bandwidth,
+}
+
+/// What is measured before the first pass.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Pilot {
+    /// The first radius, where the settings give none and need one.
+    radius: Option<f32>,
 }
 
 impl PhotonMapping {
@@ -27,22 +38,18 @@ impl PhotonMapping {
         seed: u64,
         observer: &dyn Observer,
     ) -> PhotonMapping {
-        let count = settings.k as usize;
-        let bandwidth = match (settings.bandwidth, settings.radius) {
-            (BandwidthRule::Nearest, radius) => {
-                Bandwidth::Nearest { count, max_radius: radius.unwrap_or(f32::INFINITY) }
-            }
-            (BandwidthRule::Fixed, Some(radius)) => Bandwidth::Fixed(radius),
-            (BandwidthRule::Shrinking, Some(initial)) => Bandwidth::Shrinking { initial, alpha: settings.alpha },
-            (rule, None) => {
-                let radius = pilot::radius(scene, film, &settings, seed, observer);
-                match rule {
-                    BandwidthRule::Fixed => Bandwidth::Fixed(radius),
-                    _ => Bandwidth::Shrinking { initial: radius, alpha: settings.alpha },
-                }
-            }
-        };
-        PhotonMapping { settings, bandwidth }
+        let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
+        let radius = is_needed.then(|| pilot::radius(scene, film, &settings, seed, observer));
+        let bandwidth = bandwidth(&settings, radius.unwrap_or(f32::INFINITY));
+        PhotonMapping { settings, pilot: Pilot { radius }, bandwidth }
+    }
+
+    /// With these settings, and what was measured for them.
+    pub(super) fn resumed(settings: PhotonMapSettings, pilot: Pilot) -> Result<PhotonMapping> {
+        let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
+        let is_fit = pilot.radius.is_some() == is_needed && pilot.radius.is_none_or(|radius| radius > 0.0);
+        let bandwidth = bandwidth(&settings, pilot.radius.unwrap_or(f32::INFINITY));
+        is_fit.then_some(PhotonMapping { settings, pilot, bandwidth }).ok_or_else(pilot::unfit)
     }
 
     /// How the radius is chosen.
@@ -97,6 +104,20 @@ impl Integrator for PhotonMapping {
 
     fn name(&self) -> &'static str {
         "photon-map"
+    }
+
+    fn pilot(&self) -> Vec<u8> {
+        pilot::write(&self.pilot)
+    }
+}
+
+/// How the radius is chosen by settings; `measured` stands in where they give none.
+fn bandwidth(settings: &PhotonMapSettings, measured: f32) -> Bandwidth {
+    let radius = settings.radius.unwrap_or(measured);
+    match settings.bandwidth {
+        BandwidthRule::Nearest => Bandwidth::Nearest { count: settings.k as usize, max_radius: radius },
+        BandwidthRule::Fixed => Bandwidth::Fixed(radius),
+        BandwidthRule::Shrinking => Bandwidth::Shrinking { initial: radius, alpha: settings.alpha },
     }
 }
 
