@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use lampyris::checkpoint::{Checkpoint, Identity};
 use lampyris::error::{Error, Result, Warning};
@@ -185,7 +186,9 @@ impl Job<'_> {
             None => Render::with_layers(self.scene, description, self.layers, &Silent),
         };
         let (mut errors, before) = (ErrorCurve::default(), render.film().passes());
-        while render.step_in(&wanted, &progress) {
+        // A film that is good enough already stays as it is; time is for this run alone.
+        let is_done = before > 0 && budget.is_spent(render.film(), Duration::ZERO);
+        while !is_done && render.step_in(&wanted, &progress) {
             progress.passed(render.film());
             errors.passed(render.film());
             if snapshots.is_due(render.film().passes()) {
@@ -214,7 +217,9 @@ impl Job<'_> {
         kept?;
         let count = plural(snapshots.written().len(), "snapshot");
         let snapshots_too = if snapshots.written().is_empty() { String::new() } else { format!(" and {count}") };
-        progress.say(&format!("wrote {}{snapshots_too}", names(self.outputs)));
+        let mut written = outputs;
+        written.extend(kept_in(self.arguments));
+        progress.say(&format!("wrote {}{snapshots_too}", names(&written)));
         let (snapshots, interrupted) = (snapshots.written(), interrupt.is_raised());
         let done = Done { render: &render, errors, begun: before, snapshots, interrupted };
         Ok(Stats::of(self.arguments, description, done, self.meter, warnings))
@@ -254,8 +259,8 @@ impl Job<'_> {
     }
 }
 
-fn names(paths: &[PathBuf]) -> String {
-    let names: Vec<String> = paths.iter().map(|path: &PathBuf| Path::display(path).to_string()).collect();
+fn names(paths: &[&Path]) -> String {
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     names.join(", ")
 }
 

@@ -119,6 +119,8 @@ fn a_render_ends_at_its_error_and_at_the_same_pass_again() {
     render("-o b.npy --checkpoint b.film --passes 5");
     render("-o b.npy --resume b.film --target-error 0.04 --threads 1");
     assert_eq!(folder.read("a.npy"), folder.read("b.npy"));
+    render("-o b.npy --resume b.film --target-error 4%");
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"), "what is good enough stays as it is");
     render("-o c.npy --target-error 0.0001% --passes 9 --stats c.json");
     assert_eq!(stats("c.json")["passes"], 9, "whichever comes first");
 }

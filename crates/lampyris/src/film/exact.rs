@@ -176,14 +176,10 @@ impl Sum<'_> {
 /// What a value has in a limb, if that is its highest, the one below, or any above.
 #[inline]
 fn limb(mantissa: u64, place: i32, limb: i32) -> i64 {
-    let down = limb * WIDTH - place;
-    let shifted = match down {
-        0..64 => mantissa >> down,
-        64.. => 0,
-        // Bits that are lost at the upper end belong to the limbs above.
-        _ => mantissa.checked_shl(down.unsigned_abs()).unwrap_or(0),
-    };
-    (shifted & MASK) as i64
+    // Up by a whole limb first, for the limb below the highest may begin below the mantissa.
+    let down = (limb + 1) * WIDTH - place;
+    let shifted = (u128::from(mantissa) << WIDTH) >> down.min(127);
+    (shifted as u64 & MASK) as i64
 }
 
 /// 2 to a power that a double can be.

@@ -17,13 +17,13 @@ use crate::geometry::MeshData;
 use crate::texture::Raster;
 
 /// SHA-256 of all that the light in a scene depends on, whatever its files are called and wherever they lie. Camera, film,
-/// integrator and seed are left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fingerprint([u8; 32]);
+/// integrator and seed are left out. In hexadecimal digits.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint(String);
 
 impl fmt::Display for Fingerprint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(&self.0)
     }
 }
 
@@ -144,7 +144,7 @@ fn of_lists(lists: &[&[u8]]) -> Fingerprint {
 fn hash(of: impl FnOnce(&mut Sha256)) -> Fingerprint {
     let mut hasher = Sha256::new();
     of(&mut hasher);
-    Fingerprint(hasher.finalize().into())
+    Fingerprint(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// Takes what is written.
