@@ -159,7 +159,7 @@ pub struct RenderArguments {
     pub snapshots: bool,
 
     /// Layers of .exr files: all, none, or some of
-    /// albedo,normal,depth,position,direct,indirect,emission,variance
+    /// albedo,normal,depth,position,direct,indirect,caustic,emission,variance,samples
     /// [default: all]
     #[arg(long, value_name = "NAMES", value_parser = layers)]
     pub layers: Option<Layers>,

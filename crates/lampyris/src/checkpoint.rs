@@ -272,7 +272,7 @@ mod tests {
             let value = (pass as f32).sin().abs();
             let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
             let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
-            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6] });
+            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3 });
             held.insert(pass);
         }
         Checkpoint {

@@ -209,7 +209,9 @@ fn layers_are_in_exr_files_unless_unwanted() {
     folder.run("render scene.toml -q -o a.exr");
     folder.run("render scene.toml -q -o b.exr --layers none");
     folder.run("render scene.toml -q -o c.exr --layers depth,normal");
-    for name in ["albedo", "normal", "depth", "position", "direct", "indirect", "emission", "variance"] {
+    for name in
+        ["albedo", "normal", "depth", "position", "direct", "indirect", "caustic", "emission", "variance", "samples"]
+    {
         let is_asked = matches!(name, "depth" | "normal");
         let codes = ["a.exr", "b.exr", "c.exr"].map(|file| layer(file, name));
         assert_eq!(codes, [Some(0), Some(2), Some(if is_asked { 0 } else { 2 })], "{name}");

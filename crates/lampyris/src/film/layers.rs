@@ -35,24 +35,31 @@ pub enum Layer {
     Direct,
     /// Radiance: light scattered more than once; the picture less `Direct` and `Emission`.
     Indirect,
+    /// Radiance: caustics, the part of `Indirect` that mirrors and glass alone brought from a lamp to a smooth surface, seen
+    /// by the camera itself or through mirrors and glass.
+    Caustic,
     /// Radiance: lamps and surroundings seen by the camera itself.
     Emission,
     /// Radiance²: the variance of the picture's luminance, as the differences between passes tell it (theory §6). There is
     /// none before the second pass.
     Variance,
+    /// Camera samples of the pixel in all passes, by what they weigh.
+    Samples,
 }
 
 impl Layer {
     /// Every layer.
-    pub const ALL: [Layer; 8] = [
+    pub const ALL: [Layer; 10] = [
         Layer::Albedo,
         Layer::Normal,
         Layer::Depth,
         Layer::Position,
         Layer::Direct,
         Layer::Indirect,
+        Layer::Caustic,
         Layer::Emission,
         Layer::Variance,
+        Layer::Samples,
     ];
 
     /// Its name in files and on the command line.
@@ -64,8 +71,10 @@ impl Layer {
             Layer::Position => "position",
             Layer::Direct => "direct",
             Layer::Indirect => "indirect",
+            Layer::Caustic => "caustic",
             Layer::Emission => "emission",
             Layer::Variance => "variance",
+            Layer::Samples => "samples",
         }
     }
 
@@ -74,7 +83,7 @@ impl Layer {
         match self {
             Layer::Normal | Layer::Position => &["X", "Y", "Z"],
             Layer::Depth => &["Z"],
-            Layer::Variance => &["Y"],
+            Layer::Variance | Layer::Samples => &["Y"],
             _ => &["R", "G", "B"],
         }
     }
@@ -152,6 +161,9 @@ pub trait Sink: Default + Send {
     /// Of what was added as light of two events or more, this part had only one.
     fn was_direct(&mut self, _light: Spectrum) {}
 
+    /// Of what was added, this part is [caustic](Layer::Caustic).
+    fn was_caustic(&mut self, _light: Spectrum) {}
+
     /// Takes this share of all that was left at another one.
     fn take(&mut self, other: &Self, share: f32);
 
@@ -193,6 +205,7 @@ pub struct Layered {
     radiance: Spectrum,
     emission: Spectrum,
     direct: Spectrum,
+    caustic: Spectrum,
     albedo: Spectrum,
     normal: Vec3,
     position: Vec3,
@@ -241,10 +254,15 @@ impl Sink for Layered {
         self.direct += light;
     }
 
+    fn was_caustic(&mut self, light: Spectrum) {
+        self.caustic += light;
+    }
+
     fn take(&mut self, other: &Layered, share: f32) {
         self.radiance += other.radiance * share;
         self.emission += other.emission * share;
         self.direct += other.direct * share;
+        self.caustic += other.caustic * share;
         self.albedo += other.albedo * share;
         self.normal += other.normal * share;
         self.position += other.position * share;
@@ -261,6 +279,7 @@ impl Sink for Layered {
         Some(Features {
             emission: (self.emission / n).to_rgb(),
             direct: (self.direct / n).to_rgb(),
+            caustic: (self.caustic / n).to_rgb(),
             albedo: (self.albedo / n).to_rgb(),
             normal: (self.normal / n).to_array(),
             position: (self.position / n).to_array(),
@@ -278,6 +297,8 @@ pub struct Features {
     pub emission: [f32; 3],
     /// Radiance of light scattered once.
     pub direct: [f32; 3],
+    /// Radiance of light that mirrors and glass brought from a lamp to a smooth surface.
+    pub caustic: [f32; 3],
     /// Share of the light that is not absorbed by the first surface with a smooth lobe, nor before it.
     pub albedo: [f32; 3],
     /// Its shading normal, in world coordinates.
@@ -300,21 +321,37 @@ pub struct Exposure {
     /// What the samples of a pixel weigh on average, which is 1 on average over passes; empty where it is 1 in each. A
     /// [`Film`](super::Film) divides by its mean, which takes away the noise that the weights have of themselves.
     pub weights: Vec<f32>,
+    /// Camera samples of each pixel.
+    pub samples: u32,
+}
+
+/// What light met on its way to the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One scattering event.
+    Direct,
+    /// Mirrors and glass, and then one smooth surface.
+    Caustic,
+    /// Anything else.
+    Other,
 }
 
 impl From<Image> for Exposure {
     fn from(image: Image) -> Exposure {
-        Exposure { image, features: Vec::new(), weights: Vec::new() }
+        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0 }
     }
 }
 
 impl Exposure {
     /// Adds radiance to a pixel.
-    pub fn add(&mut self, pixel: usize, light: Spectrum, is_direct: bool) {
+    pub fn add(&mut self, pixel: usize, light: Spectrum, kind: Kind) {
         let add = |sum: &mut [f32; 3]| *sum = (Spectrum::from_rgb(*sum) + light).to_rgb();
         add(&mut self.image.pixels_mut()[pixel]);
-        if let Some(features) = self.features.get_mut(pixel).filter(|_| is_direct) {
-            add(&mut features.direct);
+        let Some(features) = self.features.get_mut(pixel) else { return };
+        match kind {
+            Kind::Direct => add(&mut features.direct),
+            Kind::Caustic => add(&mut features.caustic),
+            Kind::Other => {}
         }
     }
 }
@@ -336,14 +373,22 @@ enum Feature {
     Normal,
     Position,
     Direct,
+    Caustic,
     Emission,
     /// Depth, and the share of the samples that met anything.
     Reach,
 }
 
 impl Feature {
-    const ALL: [Feature; 6] =
-        [Feature::Albedo, Feature::Normal, Feature::Position, Feature::Direct, Feature::Emission, Feature::Reach];
+    const ALL: [Feature; 7] = [
+        Feature::Albedo,
+        Feature::Normal,
+        Feature::Position,
+        Feature::Direct,
+        Feature::Caustic,
+        Feature::Emission,
+        Feature::Reach,
+    ];
 
     /// Those of which these layers are made.
     fn needed(layers: Layers) -> impl Iterator<Item = Feature> {
@@ -361,6 +406,7 @@ impl Feature {
             Feature::Normal => features.normal,
             Feature::Position => features.position,
             Feature::Direct => features.direct,
+            Feature::Caustic => features.caustic,
             Feature::Emission => features.emission,
             Feature::Reach => [features.depth, features.met, 0.0],
         }
@@ -374,10 +420,11 @@ impl Feature {
             Layer::Depth => self == Feature::Reach,
             Layer::Position => matches!(self, Feature::Position | Feature::Reach),
             Layer::Direct => self == Feature::Direct,
+            Layer::Caustic => self == Feature::Caustic,
             Layer::Emission => self == Feature::Emission,
             Layer::Indirect => matches!(self, Feature::Direct | Feature::Emission),
-            // The film knows it from the picture.
-            Layer::Variance => false,
+            // The film knows them by itself.
+            Layer::Variance | Layer::Samples => false,
         }
     }
 }
@@ -459,10 +506,11 @@ impl LayerSums {
             return None;
         }
         match layer {
-            Layer::Variance => None,
+            Layer::Variance | Layer::Samples => None,
             Layer::Albedo => mean(Feature::Albedo),
             Layer::Normal => mean(Feature::Normal),
             Layer::Direct => mean(Feature::Direct),
+            Layer::Caustic => mean(Feature::Caustic),
             Layer::Emission => mean(Feature::Emission),
             Layer::Depth => {
                 let (pixels, reach) = sums(Feature::Reach)?;
@@ -506,7 +554,7 @@ mod tests {
     #[test]
     fn only_what_the_layers_need_is_summed() {
         let features = |layer| LayerSums::new(Layers::NONE.with(layer), 1).sums.len();
-        assert_eq!(Layer::ALL.map(features), [1, 1, 1, 2, 1, 2, 1, 0]);
+        assert_eq!(Layer::ALL.map(features), [1, 1, 1, 2, 1, 2, 1, 1, 0, 0]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod layers;
 mod passes;
 mod spread;
 
-pub use layers::{Exposure, Features, Layer, Layered, Layers, Plain, Sink};
+pub use layers::{Exposure, Features, Kind, Layer, Layered, Layers, Plain, Sink};
 pub use passes::PassSet;
 
 pub(crate) use spread::{Band, Sums};
@@ -23,12 +23,14 @@ use crate::image::{Image, luminance};
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
 ///
-/// It takes 68 bytes a pixel, 51 more with a filter that spreads samples, and up to 289 more with all layers.
+/// It takes 68 bytes a pixel, 51 more with a filter that spreads samples, and up to 340 more with all layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
     height: usize,
     passes: u32,
+    /// Camera samples of a pixel, in all passes.
+    samples: u64,
     /// Three a pixel.
     sums: ExactSums,
     /// Σ luminance² of the passes.
@@ -43,6 +45,7 @@ pub struct Film {
 pub(crate) struct FilmShape {
     size: [usize; 2],
     passes: u32,
+    samples: u64,
     has_weights: bool,
     layers: Vec<String>,
     /// Whether any pass told of the layers.
@@ -75,6 +78,7 @@ impl Film {
             width,
             height,
             passes: 0,
+            samples: 0,
             sums: ExactSums::new(3 * pixels),
             squares: ExactSums::new(pixels),
             weights: None,
@@ -117,6 +121,7 @@ impl Film {
     pub fn add_pass(&mut self, pass: &Exposure) {
         self.add_weighted(&pass.image, &pass.weights);
         self.layers.add(&pass.features);
+        self.samples = self.samples.saturating_add(u64::from(pass.samples));
     }
 
     /// Adds the passes of another film: the same to the bit as adding them here.
@@ -155,6 +160,7 @@ impl Film {
         self.squares.merge(&other.squares);
         self.layers.merge(&other.layers);
         self.passes = passes;
+        self.samples = self.samples.saturating_add(other.samples);
         Ok(())
     }
 
@@ -163,6 +169,7 @@ impl Film {
         FilmShape {
             size: [self.width, self.height],
             passes: self.passes,
+            samples: self.samples,
             has_weights: self.weights.is_some(),
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
@@ -191,7 +198,7 @@ impl Film {
             false => None,
         };
         let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, read)?;
-        Some(Film { width, height, passes: shape.passes, sums, squares, weights, layers })
+        Some(Film { width, height, passes: shape.passes, samples: shape.samples, sums, squares, weights, layers })
     }
 
     /// Width and height in pixels.
@@ -207,12 +214,19 @@ impl Film {
     /// The mean of a layer over the passes, if it is kept and the passes told of it (pictures of the photon map itself
     /// have no layers). A layer of one channel has it three times.
     pub fn layer(&self, layer: Layer) -> Option<Image> {
-        if layer == Layer::Variance {
-            let is_known = self.passes > 1 && self.layers().contains(layer) && self.layers.has_any();
-            let variances = (0..self.width * self.height).map(|pixel| [self.luminance(pixel).1 as f32; 3]);
-            return Image::from_pixels(self.width, self.height, variances.collect()).filter(|_| is_known);
+        if !self.layers().contains(layer) || !self.layers.has_any() {
+            return None;
         }
-        let values = self.layers.values(layer, |pixel| self.sum(pixel), |pixel| self.weight(pixel))?;
+        let pixels = 0..self.width * self.height;
+        let values = match layer {
+            Layer::Variance if self.passes < 2 => return None,
+            Layer::Variance => pixels.map(|pixel| [self.luminance(pixel).1 as f32; 3]).collect(),
+            Layer::Samples => {
+                let each = self.samples as f64 / f64::from(self.passes.max(1));
+                pixels.map(|pixel| [(each * self.weight(pixel)) as f32; 3]).collect()
+            }
+            _ => self.layers.values(layer, |pixel| self.sum(pixel), |pixel| self.weight(pixel))?,
+        };
         Image::from_pixels(self.width, self.height, values)
     }
 

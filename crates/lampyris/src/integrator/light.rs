@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::blocks::{camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Exposure, Kind, Layered, Layers, Plain, Sink};
 use crate::material::{Bsdf, Lobes};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings};
@@ -44,9 +44,9 @@ impl Integrator for LightTracing {
             false => emission::<Layered>(scene, film, pass, max_bounces, observer),
         };
         let scale = 1.0 / paths as f32;
-        for Arrival { at, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
+        for Arrival { at, light, kind } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
-                exposure.add(pixel as usize, light * (scale * share), is_direct);
+                exposure.add(pixel as usize, light * (scale * share), kind);
             }
         }
         exposure
@@ -121,8 +121,8 @@ struct Arrival {
     at: Vec2,
     /// Radiance as if the path were the only one.
     light: Spectrum,
-    /// Whether it has been scattered only once.
-    is_direct: bool,
+    /// What it met on its way.
+    kind: Kind,
 }
 
 /// Connects every vertex to the camera.
@@ -154,6 +154,11 @@ impl Splat<'_> {
         let value = point.eval(to_camera) * (cos * seen.importance);
         let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
         let light = path.throughput * value * visibility;
-        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, is_direct: path.bounce == 0 })
+        let kind = match path.bounce {
+            0 => Kind::Direct,
+            _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
+            _ => Kind::Other,
+        };
+        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, kind })
     }
 }

@@ -55,7 +55,8 @@ impl PathTracing {
             observer,
             || (),
             |path, sampler, (), sink: &mut S| {
-                let mut look = Look { scene, max_bounces: limits.max_bounces, sink, last: None };
+                let max_bounces = limits.max_bounces;
+                let mut look = Look { scene, max_bounces, sink, last: None, smooth_events: 0 };
                 walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
             },
         )
@@ -69,6 +70,19 @@ struct Look<'a, S> {
     sink: &'a mut S,
     /// Where and with which density the last smooth event chose its direction; none after a delta event.
     last: Option<(Vec3, f32)>,
+    /// Smooth events so far.
+    smooth_events: u32,
+}
+
+impl<S: Sink> Look<'_, S> {
+    /// Adds light of a lamp that the path has reached.
+    fn add(&mut self, light: Spectrum, events: u32) {
+        self.sink.add(light, events);
+        // From the lamp, mirrors and glass came first, and then one smooth surface.
+        if S::LAYERED && self.last.is_none() && self.smooth_events == 1 {
+            self.sink.was_caustic(light);
+        }
+    }
 }
 
 impl<S: Sink> Visitor for Look<'_, S> {
@@ -77,7 +91,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
             let weight = self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, self.scene.emitted_pdf(from, point)));
-            self.sink.add(path.throughput * emitted * weight, path.bounce);
+            self.add(path.throughput * emitted * weight, path.bounce);
         }
         if path.bounce < self.max_bounces {
             let light = direct_light(self.scene, point, Some(Lobes::ALL), sampler);
@@ -89,6 +103,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
         self.last = smooth.then_some((point.surface.position, scattered.pdf));
+        self.smooth_events += u32::from(smooth);
     }
 
     fn escaped(&mut self, path: &PathState) {
@@ -98,6 +113,6 @@ impl<S: Sink> Visitor for Look<'_, S> {
         };
         let lights = self.scene.backgrounds(path.ray.direction).map(weighted);
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
-        self.sink.add(path.throughput * radiance, path.bounce);
+        self.add(path.throughput * radiance, path.bounce);
     }
 }

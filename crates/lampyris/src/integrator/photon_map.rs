@@ -162,12 +162,20 @@ impl<S: Sink> Visitor for Gather<'_, S> {
                 self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.
-            let light = self.estimate.radiance(point, self.max_bounces - path.bounce - 1, self.found);
-            self.sink.add(path.throughput * light, path.bounce + 2);
-            if S::LAYERED && self.direct == Direct::Photons && path.bounce == 0 {
-                // Photons straight from a lamp, read where the camera looks: asked for once more, by themselves, so that
-                // the sum above is the same with layers and without.
-                self.sink.was_direct(path.throughput * self.estimate.radiance(point, 0, self.found));
+            let most = self.max_bounces - path.bounce - 1;
+            if S::LAYERED {
+                // Photons straight from a lamp are direct light where they are read and the camera looks.
+                let looks = self.direct == Direct::Photons && path.bounce == 0;
+                let [light, direct, caustic] = self.estimate.radiances(point, self.found, |photon| {
+                    let counts = photon.bounce <= most;
+                    [counts, looks && photon.bounce == 0, counts && photon.is_caustic()]
+                });
+                self.sink.add(path.throughput * light, path.bounce + 2);
+                self.sink.was_direct(path.throughput * direct);
+                self.sink.was_caustic(path.throughput * caustic);
+            } else {
+                let light = self.estimate.radiance(point, most, self.found);
+                self.sink.add(path.throughput * light, path.bounce + 2);
             }
         }
         Lobes::DELTA

@@ -39,6 +39,17 @@ impl Estimate<'_> {
     /// Radiance that the smooth lobes at `point` reflect back along the path, of light whose photons have had at most
     /// `max_bounces` scattering events: Σ f Φ K / paths [Jensen 2001, eq. 7.6, with a kernel].
     pub fn radiance(&self, point: &SurfacePoint, max_bounces: u32, found: &mut Nearest) -> Spectrum {
+        let [radiance] = self.radiances(point, found, |photon| [photon.bounce <= max_bounces]);
+        radiance
+    }
+
+    /// [`Estimate::radiance`] of several sets of photons at once; `sets` says which of them a photon is in.
+    pub fn radiances<const SETS: usize>(
+        &self,
+        point: &SurfacePoint,
+        found: &mut Nearest,
+        sets: impl Fn(&Photon) -> [bool; SETS],
+    ) -> [Spectrum; SETS] {
         let center = point.surface.position;
         let normal = if point.surface.normal.dot(point.to_previous) < 0.0 {
             -point.surface.normal
@@ -46,18 +57,22 @@ impl Estimate<'_> {
             point.surface.normal
         };
         let even = point.even();
-        let mut sum = Spectrum::ZERO;
+        let mut sums = [Spectrum::ZERO; SETS];
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;
             let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
-            if photon.bounce <= max_bounces && counts {
+            let sets = sets(photon);
+            if sets.contains(&true) && counts {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
                 let light = photon.flux * (weight / point.geometric_over_shading(to_light));
-                sum += match even {
+                let light = match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
                     None => point.eval_radiance(to_light) * light,
                 };
+                for (sum, is_in) in sums.iter_mut().zip(sets) {
+                    *sum += if is_in { light } else { Spectrum::ZERO };
+                }
             }
         };
         let radius = self.map.search(center, self.radius, found);
@@ -66,7 +81,7 @@ impl Estimate<'_> {
         for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
             add(&photons[index as usize], weight);
         }
-        sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
+        sums.map(|sum| sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32)
     }
 }
 
