@@ -73,11 +73,17 @@ impl ExactSums {
     }
 
     fn each(&mut self, change: impl Fn(usize, Sum) + Sync) {
-        let chunks = self.high.par_chunks_mut(CHUNK).zip(self.low.par_chunks_mut(CHUNK));
-        chunks.zip(self.top.par_chunks_mut(CHUNK)).enumerate().for_each(|(chunk, ((high, low), top))| {
+        let change_all = |chunk: usize, high: &mut [i64], low: &mut [i64], top: &mut [u8]| {
             let sums = high.iter_mut().zip(low).zip(top);
             (chunk * CHUNK..).zip(sums).for_each(|(index, ((high, low), top))| change(index, Sum { high, low, top }));
-        });
+        };
+        if self.top.len() <= CHUNK {
+            // To wake other threads would take longer.
+            return change_all(0, &mut self.high, &mut self.low, &mut self.top);
+        }
+        let chunks = self.high.par_chunks_mut(CHUNK).zip(self.low.par_chunks_mut(CHUNK));
+        let chunks = chunks.zip(self.top.par_chunks_mut(CHUNK)).enumerate();
+        chunks.for_each(|(chunk, ((high, low), top))| change_all(chunk, high, low, top));
     }
 
     /// A sum, rounded once.
