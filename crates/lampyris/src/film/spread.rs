@@ -88,6 +88,11 @@ impl<S: Sink> Sums<S> {
             Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
         let weights =
             if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
-        Exposure { image, features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(), weights }
+        Exposure {
+            image,
+            features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(),
+            weights,
+            samples,
+        }
     }
 }
