@@ -37,7 +37,8 @@ impl<'s> Render<'s> {
     pub fn step(&mut self, observer: &dyn Observer) {
         let pass = Pass { index: self.film.passes(), seed: self.seed };
         let layers = self.film.layers();
-        self.film.add_pass(&self.integrator.expose(self.scene, &self.settings, &pass, layers, observer));
+        let scene = self.scene.of_pass(pass.seed, pass.index);
+        self.film.add_pass(&self.integrator.expose(&scene, &self.settings, &pass, layers, observer));
     }
 
     /// What was rendered so far.

@@ -45,7 +45,7 @@ impl Integrator for LightTracing {
         let scale = 1.0 / paths as f32;
         for Arrival { at, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
-                exposure.add(pixel as usize, light * (scale * share), is_direct);
+                exposure.add(pixel as usize, scene.basis().to_rgb(light * (scale * share)), is_direct);
             }
         }
         exposure

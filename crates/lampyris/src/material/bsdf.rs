@@ -175,7 +175,7 @@ pub struct Scattered {
     /// What happened.
     pub event: Event,
     /// Index of refraction on the new side over that of the old one; 1 unless refracted.
-    pub ior_ratio: f32,
+    pub ior_ratio: Spectrum,
 }
 
 impl Default for Bsdf<'_> {
@@ -372,10 +372,20 @@ impl Part<'_> {
         let (to_next, ior_ratio) = self.model.scatter().sample(event, local, u)?;
         let to_next = self.turned(to_next);
         if Lobes::DELTA.contains(event) {
-            let weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
-            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio });
+            let mut weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
+            if let Model::Glass(glass) = &self.model
+                && let Some((fan, lane)) = glass.followed(event, u)
+            {
+                weight = fan.followed(weight, lane);
+            }
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio: Spectrum::grey(ior_ratio) });
         }
         let (pdf, value) = smooth(to_next);
+        let ior_ratio = match &self.model {
+            Model::RoughGlass(glass) if ior_ratio != 1.0 => glass.ior_ratios(local),
+            _ => None,
+        }
+        .unwrap_or(Spectrum::grey(ior_ratio));
         (pdf > 0.0).then_some(Scattered { to_next, weight: value * (to_next.z.abs() / pdf), pdf, event, ior_ratio })
     }
 }

@@ -8,6 +8,7 @@ mod camera;
 mod color;
 mod film;
 mod integrator;
+mod ior;
 mod light;
 mod material;
 mod shape;
@@ -25,6 +26,7 @@ pub use film::{FilmDescription, FilterDescription, RenderDescription};
 pub use integrator::{
     BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings, PhotonMapSettings, Show,
 };
+pub use ior::{Ior, IorFormula};
 pub use light::{EnvironmentMapping, LightDescription};
 pub use material::{
     MaterialDescription, MaterialRef, MicrofacetDistribution, Principled, PrincipledThin, Roughness, WardVariant,

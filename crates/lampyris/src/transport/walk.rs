@@ -67,7 +67,7 @@ pub fn walk<V: Visitor>(
     let mut bsdf = Bsdf::default();
     loop {
         rays += 1;
-        let Some(point) = scene.closest_in_cone(&path.ray, path.cone, &mut bsdf) else {
+        let Some(point) = scene.closest_carrying(&path.ray, path.cone, path.throughput, &mut bsdf) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
@@ -123,7 +123,9 @@ impl PathState {
         match origin {
             // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].
             Origin::Camera => {
-                self.throughput *= point.unshadowed(scattered.to_next) / (scattered.ior_ratio * scattered.ior_ratio);
+                let squared = scattered.ior_ratio * scattered.ior_ratio;
+                self.throughput =
+                    self.throughput * squared.map(|squared| point.unshadowed(scattered.to_next) / squared);
             }
             // The adjoint of a BSDF that reckons with a shading normal [Veach 1997, eq. 5.17].
             Origin::Light => {
@@ -132,7 +134,7 @@ impl PathState {
                     / point.geometric_over_shading(point.to_previous).max(1e-3);
             }
         }
-        self.ior *= scattered.ior_ratio;
+        self.ior *= scattered.ior_ratio.lanes()[0];
         // Mirrors and glass keep the cone, as if they were flat.
         if Lobes::SMOOTH.contains(scattered.event) {
             self.cone = self.cone.scattered();

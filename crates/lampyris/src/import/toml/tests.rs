@@ -79,7 +79,7 @@ fn a_material_may_stand_in_place_and_nest() {
     let MaterialDescription::TwoSided { front: MaterialRef::Inline(front), back } = &**material else {
         panic!("two sides");
     };
-    assert!(matches!(**front, MaterialDescription::Glass { ior: 2.0, .. }));
+    assert!(matches!(**front, MaterialDescription::Glass { ior: Ior::Number(2.0), .. }));
     assert_eq!(*back, Some(MaterialRef::Named("x".into())));
 }
 

@@ -68,7 +68,7 @@ fn entries(node: Node<'_>, value: &Value) -> Option<Vec<Entry>> {
         (Form::Named(item), Value::Object(names)) => {
             names.iter().map(|(name, value)| Some((key(name), inline(item, value)?))).collect()
         }
-        (Form::NameOr(thing), Value::Object(_)) => entries(thing, value),
+        (Form::NameOr(thing) | Form::Ior(thing), Value::Object(_)) => entries(thing, value),
         (_, Value::Object(keys)) => keys.iter().map(|(name, value)| Some((key(name), plain(value)?))).collect(),
         _ => None,
     }
