@@ -62,7 +62,7 @@ impl From<f32> for Ior {
     }
 }
 
-/// The indices of the four lanes at a boundary that separates them (theory §6.3).
+/// The indices of the four lanes at a boundary that separates them (theory §7.3).
 ///
 /// What leads all of them the same way, reflection, they take together, each with its own share. Where their ways part, one
 /// is drawn by how much the path carries of each: whatever the path carries, as a sum over the lanes, it keeps.

@@ -1,4 +1,4 @@
-//! What the four lanes of a pass mean: linear RGB, or four wavelengths (theory §6).
+//! What the four lanes of a pass mean: linear RGB, or four wavelengths (theory §7).
 
 use glam::Vec4;
 
