@@ -37,6 +37,7 @@ impl Ior {
         }
     }
 
+    #[inline(never)]
     fn fan(&self, nanometres: [f32; 4], carried: Spectrum) -> (f32, Option<Fan>) {
         let iors = nanometres.map(|nanometres| {
             let nanometres = f64::from(nanometres);

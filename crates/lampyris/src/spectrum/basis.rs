@@ -64,10 +64,7 @@ impl Basis {
     pub fn lanes(&self, rgb: Spectrum) -> Spectrum {
         match self {
             Basis::Rgb => rgb,
-            Basis::Wavelengths(Wavelengths { from_rgb: [red, green, blue], .. }) => {
-                let [r, g, b] = rgb.to_rgb();
-                Spectrum(*red * r + *green * g + *blue * b)
-            }
+            Basis::Wavelengths(wavelengths) => wavelengths.lanes(rgb),
         }
     }
 
@@ -78,6 +75,15 @@ impl Basis {
             Basis::Rgb => lanes.to_rgb(),
             Basis::Wavelengths(wavelengths) => wavelengths.to_rgb.map(|row| row.dot(lanes.0)),
         }
+    }
+}
+
+impl Wavelengths {
+    /// By itself, so that RGB passes do not carry its code through everything that has a colour.
+    #[inline(never)]
+    fn lanes(&self, rgb: Spectrum) -> Spectrum {
+        let ([red, green, blue], [r, g, b]) = (self.from_rgb, rgb.to_rgb());
+        Spectrum(red * r + green * g + blue * b)
     }
 }
 

@@ -139,6 +139,14 @@ impl MulAssign<f32> for Spectrum {
     }
 }
 
+impl Div for Spectrum {
+    type Output = Spectrum;
+    #[inline]
+    fn div(self, other: Spectrum) -> Spectrum {
+        Spectrum(self.0 / other.0)
+    }
+}
+
 impl Div<f32> for Spectrum {
     type Output = Spectrum;
     #[inline]

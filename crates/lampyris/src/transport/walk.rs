@@ -4,6 +4,7 @@ use super::{Origin, PathState, survive};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
 
 /// What is done along a path, and where the path may go on.
 pub trait Visitor {
@@ -123,9 +124,8 @@ impl PathState {
         match origin {
             // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].
             Origin::Camera => {
-                let squared = scattered.ior_ratio * scattered.ior_ratio;
-                self.throughput =
-                    self.throughput * squared.map(|squared| point.unshadowed(scattered.to_next) / squared);
+                let unshadowed = Spectrum::grey(point.unshadowed(scattered.to_next));
+                self.throughput = self.throughput * (unshadowed / (scattered.ior_ratio * scattered.ior_ratio));
             }
             // The adjoint of a BSDF that reckons with a shading normal [Veach 1997, eq. 5.17].
             Origin::Light => {
