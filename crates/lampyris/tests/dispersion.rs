@@ -6,13 +6,16 @@
 mod common;
 
 use common::statistics::{Sample, assert_mean, assert_same_mean};
-use common::{Lit, lit};
+use common::{Lit, described, lit};
 use glam::{Vec2, Vec3};
+use lampyris::film::{Layer, Layers};
 use lampyris::geometry::Ray;
-use lampyris::image::Image;
+use lampyris::image::{Image, luminance};
+use lampyris::integrator::Silent;
 use lampyris::material::{Event, Lobes};
+use lampyris::render::Render;
 use lampyris::sampler::Sampler;
-use lampyris::scene::{Scene, SurfacePoint};
+use lampyris::scene::{NoAssets, Scene, SurfacePoint, build};
 use lampyris::spectrum::{Dispersion, FRAUNHOFER_C, FRAUNHOFER_D, FRAUNHOFER_F, Spectrum};
 use lampyris::texture::Lookup;
 use lampyris::transport::{End, Limits, Origin, PathState, Visitor, Walked, walk};
@@ -307,10 +310,11 @@ fn repeated_reflections_off_a_colour_stay_near_it() {
     }
 }
 
-/// A caustic of a ball of glass that disperses strongly, under a lamp that paths can find, too.
+/// The caustic of a ball of glass that disperses strongly, under a lamp that paths can find, too; the ball is out of sight,
+/// so that light tracing sees all that can be seen.
 const CAUSTIC: &str = "
     film = { size = [8, 8] }
-    camera = { origin = [0, 2.5, -2.5], target = [0, -1, 0], fov = 30 }
+    camera = { origin = [0, -0.2, -2.5], target = [0, -1, 0.1], fov = 22 }
     [[shapes]]
     type = 'quad'
     corner = [-2, -1, -2]
@@ -331,11 +335,17 @@ const CAUSTIC: &str = "
 #[test]
 fn path_tracing_light_tracing_and_photon_mapping_agree_on_a_coloured_caustic() {
     let reference = rounds(&lit(CAUSTIC, "integrator=path samples=32"), 20);
-    // The camera sees some of the floor through the ball, which light tracing cannot.
-    let way = "integrator=photon-map photons=8000 bandwidth=fixed radius=0.03 samples=8 seed=1";
-    let photons = rounds(&lit(CAUSTIC, way), 20);
-    for channel in 0..3 {
-        assert_same_mean(&format!("channel {channel}"), &reference[channel], &photons[channel], 3, 0.005);
+    for way in [
+        "integrator=photon-map photons=8000 bandwidth=fixed radius=0.03 samples=8 seed=1",
+        "integrator=light photons=20000 seed=1",
+    ] {
+        let seen = rounds(&lit(CAUSTIC, way), 20);
+        for channel in 0..3 {
+            let name = format!("{way}, channel {channel}");
+            assert_same_mean(&name, &reference[channel], &seen[channel], 6, 0.005);
+            let ratio = Sample::of(&seen[channel]).mean / Sample::of(&reference[channel]).mean;
+            assert!((ratio - 1.0).abs() < 0.05, "{name}: {ratio}");
+        }
     }
 }
 
@@ -365,6 +375,32 @@ fn coloured_noise_fades_as_grey_noise_does() {
     }
 }
 
+/// That passes tint white is known, and neither changes the brightness of the picture nor counts as its error; nor does it
+/// change what layers of geometry say.
+#[test]
+fn a_white_sky_has_its_brightness_and_no_error_after_any_number_of_passes() {
+    let sky = "film = { size = [4, 4] }
+        camera = { origin = [0, 0, 3], target = [0, 0, 0], fov = 30 }
+        render = { spectral = true }
+        lights = [{ type = 'constant' }]
+        [[shapes]]
+        type = 'quad'
+        corner = [-9, -9, -1]
+        u = [18, 0, 0]
+        v = [0, 18, 0]
+        emission = { radiance = 1 }\n";
+    let lit = lit(sky, "integrator=path");
+    let mut render = Render::with_layers(&lit.scene, &lit.description, Layers::ALL, &Silent);
+    for passes in 1..6 {
+        render.step(&Silent);
+        let (image, normal) = (render.film().image(), render.film().layer(Layer::Normal).expect("normals"));
+        let seen = luminance(image.pixel(1, 1));
+        assert!((seen - 1.0).abs() < 1e-5, "{seen} after {passes}");
+        assert!((normal.pixel(1, 1)[2] - 1.0).abs() < 1e-5, "{:?}", normal.pixel(1, 1));
+        assert!(render.film().relative_error().is_none_or(|error| error < 1e-4));
+    }
+}
+
 #[test]
 fn a_spectral_picture_has_the_same_bits_on_any_number_of_threads() {
     for way in WAYS {
@@ -378,6 +414,20 @@ fn a_spectral_picture_has_the_same_bits_on_any_number_of_threads() {
         let passes = lit.passes(4);
         assert!(passes[3].pixels() == lit.passes(4)[3].pixels() && passes[0].pixels() != passes[1].pixels(), "{way}");
     }
+}
+
+#[test]
+fn what_is_no_index_of_refraction_is_told() {
+    let fault = |ior: &str| {
+        let text = format!("{UNSEEN}[[shapes]]\ntype = 'sphere'\nmaterial = {{ type = 'glass', ior = {ior} }}\n");
+        build(&described(&text), &NoAssets).expect_err("no index").to_string()
+    };
+    assert_eq!(fault("'diamand'"), "no substance named 'diamand' is known; did you mean 'diamond'?");
+    assert!(fault("'butter'").contains("known are bk7,"), "{}", fault("'butter'"));
+    assert!(fault("{ cauchy = [1.5, 4000] }").contains("at 380 nm, which is no index"), "λ in nm");
+    assert!(fault("{ sellmeier = [1, 0, 0, 0.3, 0, 0] }").contains("no index"), "a resonance at 548 nm");
+    assert!(fault("{ abbe = [1.5, 0] }").contains("ior must be greater than 0"));
+    assert!(fault("{ abbe = [1.5, 0.1] }").contains("no index"));
 }
 
 #[test]

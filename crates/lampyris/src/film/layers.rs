@@ -233,7 +233,8 @@ impl Sink for Layered {
             emission: basis.to_rgb(self.emission / n),
             direct: basis.to_rgb(self.direct / n),
             albedo: basis.to_rgb(self.albedo / n),
-            normal: (self.normal / n).to_array(),
+            // As the weight of the pass has it.
+            normal: (self.normal * (basis.white() / n)).to_array(),
             position: (self.position / n).to_array(),
             depth: self.depth / n,
             met: self.met / n,

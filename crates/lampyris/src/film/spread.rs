@@ -88,8 +88,13 @@ impl<S: Sink> Sums<S> {
         let pixels = self.pixels.iter().map(|(sum, _)| basis.to_rgb(sum.radiance() / n)).collect();
         let image =
             Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
-        let weights =
-            if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
+        // What four wavelengths make of white is known: the picture need not have its noise.
+        let white = basis.white();
+        let weights = if self.reach == 0 && white == 1.0 {
+            Vec::new()
+        } else {
+            self.pixels.iter().map(|(_, weight)| weight / n * white).collect()
+        };
         let features = self.pixels.iter().filter_map(|(sum, _)| sum.features(samples, basis)).collect();
         Exposure { image, features, weights }
     }

@@ -5,6 +5,7 @@ use glam::Vec4;
 use super::Spectrum;
 use super::curves::PRIMARIES;
 use super::eye::{channels, daylight};
+use crate::image::luminance;
 
 /// What the lanes of a [`Spectrum`] mean in a pass, and the way from linear RGB and back.
 ///
@@ -65,6 +66,14 @@ impl Basis {
         match self {
             Basis::Rgb => rgb,
             Basis::Wavelengths(wavelengths) => wavelengths.lanes(rgb),
+        }
+    }
+
+    /// Luminance of white in this pass: 1, or 1 in the mean over all passes.
+    pub fn white(&self) -> f32 {
+        match self {
+            Basis::Rgb => 1.0,
+            Basis::Wavelengths(_) => luminance(self.to_rgb(Spectrum::ONE)),
         }
     }
 

@@ -178,6 +178,29 @@ fn a_material_without_type_is_a_fault_of_the_material() {
 }
 
 #[test]
+fn an_index_of_refraction_is_a_number_a_name_or_a_formula() {
+    let read = |ior: &str| {
+        let glass = format!("materials.clear = {{ type = 'glass', ior = {ior} }}\n");
+        match scene(&glass).materials.remove("clear") {
+            Some(MaterialDescription::Glass { ior, .. }) => ior,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(read("2"), Ior::Number(2.0));
+    assert_eq!(read("'sf11'"), Ior::Substance("sf11".into()));
+    assert_eq!(read("{ cauchy = [1.5, 0.004] }"), Ior::Formula(IorFormula::Cauchy([1.5, 0.004])));
+    let terms = [1.0, 0.2, 1.0, 0.006, 0.02, 100.0];
+    assert_eq!(read("{ sellmeier = [1, 0.2, 1, 0.006, 0.02, 100] }"), Ior::Formula(IorFormula::Sellmeier(terms)));
+    let fault = |ior: &str, expected: &str| {
+        fails(&format!("[materials.a]\ntype = 'glass'\nior = {ior}\n"), &format!("s.toml:3:{expected}"));
+    };
+    let formulas = "a table with one of the keys 'sellmeier', 'cauchy' or 'abbe'";
+    fault("true", &format!("7: 'ior' must be a number, the name of a substance, or {formulas}, not true"));
+    fault("{ cauhcy = [1, 2] }", "9: unknown key 'cauhcy' in ior; did you mean 'cauchy'?");
+    fault("{ abbe = [1.5] }", "16: 'abbe' must be a list of 2 numbers, not 1");
+}
+
+#[test]
 fn a_missing_key_is_named_with_all_that_are_needed() {
     fails(
         "\n[[shapes]]\ntype = 'quad'\ncorner = [0, 0, 0]\nu = [1, 0, 0]\n",

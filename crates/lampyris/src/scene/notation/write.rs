@@ -175,6 +175,7 @@ mod tests {
                      board = { type = 'checkerboard', color0 = 'wood', color1 = [0.1, 0.2, 0.3] } }
         materials = { floor = { type = 'two-sided', front = { type = 'plastic', reflectance = 'board' } },
                       shiny = { type = 'principled', metallic = 1, base-color = [0.9, 0.6, 0.1] },
+                      flint = { type = 'glass', ior = { abbe = [1.7847, 25.8] }, exterior-ior = 'water' },
                       gold = { type = 'conductor', metal = 'Au', roughness = { alpha = 0.2 } } }
         groups = { pair = [{ type = 'sphere', material = 'gold' }, { type = 'cube', material = { type = 'mirror' } }] }
         lights = [{ type = 'sky', sun-direction = [1, 1, 0] }, { type = 'point', position = [0, 1, 0], power = 3 }]
