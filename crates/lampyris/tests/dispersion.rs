@@ -112,9 +112,16 @@ fn a_prism_turns_every_wavelength_by_its_own_angle() {
 
 const ANGLES: f64 = 0.125;
 
+/// Of a wavelength in nm the angle beyond which there is no light, and that where there is most.
+struct Bow {
+    wavelength: f64,
+    last: f64,
+    brightest: f64,
+}
+
 /// A drop of water in parallel light: linear RGB of what leaves it after one reflection inside, by the angle to the way back
-/// to the sun, in bins of [`ANGLES`] degrees; and for each wavelength the angle beyond which there is none, with the brightest.
-fn rainbow(passes: u32) -> (Vec<[f64; 3]>, Vec<(f64, f64, f64)>) {
+/// to the sun, in bins of [`ANGLES`] degrees; and the bow of each wavelength.
+fn rainbow(passes: u32) -> (Vec<[f64; 3]>, Vec<Bow>) {
     let drop = lit(
         &(UNSEEN.to_string()
             + "[[shapes]]
@@ -146,7 +153,7 @@ fn rainbow(passes: u32) -> (Vec<[f64; 3]>, Vec<(f64, f64, f64)>) {
             let place = |bin: Option<usize>| (bin.expect("light") as f64 + 0.5) * ANGLES;
             let last = bins.iter().rposition(|&light| light > 0.0);
             let brightest = (0..bins.len()).max_by(|&a, &b| bins[a].total_cmp(&bins[b]));
-            bows.push((wavelength.into(), place(last), place(brightest)));
+            bows.push(Bow { wavelength: wavelength.into(), last: place(last), brightest: place(brightest) });
         }
     }
     (colors, bows)
@@ -163,7 +170,7 @@ fn a_drop_of_water_makes_a_rainbow_of_42_degrees_red_outside() {
         (4.0 * (incidence.sin() / index).asin() - 2.0 * incidence).to_degrees()
     };
     assert!((descartes(700.0) - 42.44).abs() < 0.01 && (descartes(404.7) - 40.63).abs() < 0.01);
-    for (wavelength, last, brightest) in bows {
+    for Bow { wavelength, last, brightest } in bows {
         let exact = descartes(wavelength);
         assert!(
             (last - exact).abs() < ANGLES && (brightest - exact).abs() < 1.5 * ANGLES,

@@ -200,7 +200,7 @@ fn glass(text: &str) -> Option<Ior> {
 
 /// Cauchy's formula with the index and the Abbe number of a spectrum of pairs; none where red is refracted more than blue.
 fn of_pairs(numbers: &[f64]) -> Option<Ior> {
-    let pairs = (numbers.len() % 2 == 0).then(|| value::rising(pairs(numbers)).ok())??;
+    let pairs = numbers.len().is_multiple_of(2).then(|| value::rising(pairs(numbers)).ok())??;
     let [f, d, c] = [FRAUNHOFER_F, FRAUNHOFER_D, FRAUNHOFER_C].map(|line| value_at(&pairs, line));
     (d > 1.0 && f > c && c > 1.0).then(|| Ior::Formula(IorFormula::Abbe([d as f32, ((d - 1.0) / (f - c)) as f32])))
 }
