@@ -7,7 +7,7 @@ use lampyris::output::write_whole;
 use lampyris::render::Render;
 use lampyris::scene::SceneDescription;
 use lampyris::scene::description::{
-    FilmDescription, IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings,
+    AutoSettings, FilmDescription, IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings,
 };
 use serde::Serialize;
 
@@ -54,6 +54,7 @@ pub struct Stats {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Settings {
+    Auto(AutoSettings),
     PhotonMap(PhotonMapSettings),
     Path(PathSettings),
     Light(LightSettings),
@@ -87,6 +88,7 @@ impl Stats {
             version: env!("CARGO_PKG_VERSION"),
             integrator: render.integrator().name(),
             settings: match &description.integrator {
+                IntegratorDescription::Auto(settings) => Settings::Auto(settings.clone()),
                 IntegratorDescription::PhotonMap(settings) => Settings::PhotonMap(settings.clone()),
                 IntegratorDescription::Path(settings) => Settings::Path(settings.clone()),
                 IntegratorDescription::Light(settings) => Settings::Light(settings.clone()),

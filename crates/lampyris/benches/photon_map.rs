@@ -42,6 +42,7 @@ fn photons() -> Vec<Photon> {
         normal: Vec3::Z,
         optical_length: 0.0,
         flux: Spectrum::ONE,
+        rivals: 0.0,
         bounce: 0,
         history: Lobes::NONE,
     };

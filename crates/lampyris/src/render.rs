@@ -55,7 +55,7 @@ impl<'s> Render<'s> {
 /// How many passes make a good quick picture, where the user and the file say nothing.
 pub fn default_passes(integrator: &IntegratorDescription) -> u32 {
     match integrator {
-        IntegratorDescription::PhotonMap(_) => 16,
+        IntegratorDescription::Auto(_) | IntegratorDescription::PhotonMap(_) => 16,
         IntegratorDescription::Path(settings) => 64_u32.div_ceil(settings.samples.max(1)),
         IntegratorDescription::Light(_) => 64,
     }

@@ -78,6 +78,7 @@ fn assert_agreement(name: &str, text: &str) {
             "integrator=photon-map photons=16384 bandwidth=nearest k=20 radius=0.04 direct=photons samples=2",
             KERNEL_BIAS,
         ),
+        ("integrator=auto photons=16384 samples=8 radius=0.6", KERNEL_BIAS),
     ];
     for (way, bias) in ways {
         let images = lit(text, &format!("{way} seed=1")).passes(passes);
@@ -274,6 +275,7 @@ fn on_a_ball_of_few_triangles_with_smooth_normals() {
             "integrator=light photons=16384 seed=1",
             "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=4 direct=next-event seed=1",
             "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=4 direct=photons seed=1",
+            "integrator=auto photons=32768 samples=4 radius=0.6 seed=1",
         ] {
             assert_same_mean(&format!("{way}, {view}"), &reference, &render(way, view), 1, KERNEL_BIAS);
         }

@@ -52,7 +52,8 @@ fn box_of_size(scale: f64) -> String {
         + &ball(v(0.5, -0.7, -0.25), "{ type = 'glass' }")
 }
 
-const WAYS: [&str; 6] = [
+const WAYS: [&str; 7] = [
+    "integrator=auto photons=10000",
     "integrator=path samples=2",
     "integrator=light photons=10000",
     "integrator=photon-map photons=10000",

@@ -22,6 +22,7 @@ fn photon(position: Vec3) -> Photon {
         optical_length: 0.0,
         flux: Spectrum::ONE,
         bounce: 0,
+        rivals: 0.0,
         history: Lobes::NONE,
     }
 }

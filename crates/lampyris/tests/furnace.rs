@@ -9,20 +9,25 @@ use lampyris::math::fresnel;
 
 /// Every way to compute light, with settings under which the kernel has no bias in a furnace: there the irradiance is
 /// the same all over a surface, and no edge is within reach.
-const ALL: [&str; 4] = [
+const ALL: [&str; 5] = [
     "integrator=path samples=32",
     "integrator=light photons=20000",
     "integrator=photon-map photons=10000 bandwidth=fixed radius=0.3 direct=next-event samples=32",
     "integrator=photon-map photons=20000 bandwidth=nearest k=400 radius=0.5 direct=photons samples=16",
+    "integrator=auto photons=10000 radius=1 samples=32",
 ];
 
 /// Those that see through glass and into mirrors.
-const ALL_BUT_LIGHT: [&str; 3] = [ALL[0], ALL[2], ALL[3]];
+const ALL_BUT_LIGHT: [&str; 4] = [ALL[0], ALL[2], ALL[3], ALL[4]];
 
 /// The same for balls seen from outside. There the gather point's horizon hides some of the light that its neighbours
 /// get, a share of r²/8 where the sky is bright all around: 0.2 % for this radius on a ball of radius 1.
-const ON_BALLS: [&str; 3] =
-    [ALL[0], ALL[2], "integrator=photon-map photons=20000 bandwidth=fixed radius=0.125 direct=photons samples=4"];
+const ON_BALLS: [&str; 4] = [
+    ALL[0],
+    ALL[2],
+    "integrator=photon-map photons=20000 bandwidth=fixed radius=0.125 direct=photons samples=4",
+    "integrator=auto photons=10000 radius=0.5 samples=32",
+];
 const HIDDEN: f64 = 0.002;
 
 /// Asserts that the mean over the picture is `expected` in each channel, in all these ways.

@@ -32,12 +32,13 @@ material = { type = 'diffuse', reflectance = 0.5 }
 emission = { radiance = [3, 2, 1] }
 ";
 
-const WAYS: [&str; 5] = [
+const WAYS: [&str; 6] = [
     "integrator=path samples=2",
     "integrator=light photons=20000",
     "integrator=photon-map photons=20000 samples=2",
     "integrator=photon-map photons=20000 direct=photons",
     "integrator=photon-map photons=20000 direct=photons bandwidth=nearest",
+    "integrator=auto photons=20000 samples=2 radius=1",
 ];
 
 fn film(lit: &Lit, layers: Layers, passes: u32) -> Film {

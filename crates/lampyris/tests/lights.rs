@@ -66,7 +66,7 @@ fn the_sky_is_sampled_with_the_density_that_it_claims() {
             if scene.background(direction).is_zero() {
                 0.0
             } else {
-                scene.backgrounds(direction).map(|(_, pdf)| f64::from(pdf)).sum()
+                scene.backgrounds(direction).map(|(_, pdf, _)| f64::from(pdf)).sum()
             }
         };
         let expected: Vec<f64> = integrals(density).iter().map(|share| share * f64::from(draws)).collect();
@@ -85,7 +85,7 @@ fn the_sky_is_sampled_with_the_density_that_it_claims() {
                 assert!(near, "{light:?}: {radiance:?} instead of {due:?}");
                 shadows[bin(light.to_light)] += 1.0;
             }
-            let photon = scene.emit(&mut sampler);
+            let photon = scene.emit(&mut sampler).map(|(_, photon)| photon);
             flux.push(photon.map_or(0.0, |photon| f64::from(photon.flux.mean())));
             if let Some(photon) = photon {
                 photons[bin(-photon.ray.direction)] += 1.0;
@@ -105,7 +105,7 @@ fn photons_from_a_picture_start_on_a_disk_that_hides_the_scene() {
     let mut observed = vec![0.0; 60];
     let mut drawn = 0.0;
     for _ in 0..50_000 {
-        let Some(Ray { origin, direction }) = scene.emit(&mut sampler).map(|photon| photon.ray) else { continue };
+        let Some(Ray { origin, direction }) = scene.emit(&mut sampler).map(|(_, photon)| photon.ray) else { continue };
         let local = Frame::around(direction).to_local(origin - center) / radius;
         assert!(local.z < -0.999, "outside the scene");
         let ring = ((local.truncate().length_squared() * 6.0) as usize).min(5);
@@ -181,7 +181,7 @@ fn a_projector_throws_its_texture_without_falling_off() {
     // Photons: the flux on each quarter of the wall.
     let mut flux = [const { Vec::new() }; 4];
     for _ in 0..100_000 {
-        let photon = scene.emit(&mut sampler).expect("a photon");
+        let (_, photon) = scene.emit(&mut sampler).expect("a photon");
         let Ray { origin, direction } = photon.ray;
         let hit = origin + direction * (2.0 / direction.z);
         let uv = Vec2::new(0.5 - (hit.x - 1.0) / 4.0, 0.5 + (hit.y - 2.0) / 2.0);

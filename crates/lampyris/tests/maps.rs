@@ -144,6 +144,7 @@ fn light_from_the_lamp_and_from_the_camera_agree_on_a_bumpy_plane() {
             "integrator=light photons=40000",
             "integrator=photon-map photons=20000 bandwidth=fixed radius=0.05 direct=next-event samples=16",
             "integrator=photon-map photons=20000 bandwidth=fixed radius=0.05 direct=photons samples=16",
+            "integrator=auto photons=20000 radius=0.2 samples=16",
         ] {
             let other = means(way);
             assert_same_mean(&format!("{material}, {way}"), &path[1], &other[1], 6, 0.005);
@@ -173,11 +174,12 @@ fn under_a_sheet(light: &str) -> String {
 }
 
 /// Every way to compute light.
-const WAYS: [&str; 4] = [
+const WAYS: [&str; 5] = [
     "integrator=path samples=64",
     "integrator=light photons=80000",
     "integrator=photon-map photons=40000 bandwidth=fixed radius=0.1 direct=next-event samples=16",
     "integrator=photon-map photons=40000 bandwidth=fixed radius=0.1 direct=photons samples=16",
+    "integrator=auto photons=40000 radius=0.2 samples=16",
 ];
 
 #[test]

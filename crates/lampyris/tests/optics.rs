@@ -24,7 +24,7 @@ fn photons(paths: u32, rest: &str) -> Lit {
 }
 
 /// The photons of a pass that lie at height `y` and have been through this many mirrors and boundaries.
-fn landed(lit: &Lit, y: f32, bounces: std::ops::Range<u32>) -> Vec<Photon> {
+fn landed(lit: &Lit, y: f32, bounces: std::ops::Range<u16>) -> Vec<Photon> {
     let map = lit.map(0);
     let wanted = |photon: &&Photon| {
         (photon.position.y - y).abs() < 1e-4

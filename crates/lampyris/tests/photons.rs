@@ -142,7 +142,7 @@ fn landings(lit: &Lit, paths: u64) -> Vec<(Vec3, Vec<Event>, f64)> {
     let mut all = Vec::new();
     for index in 0..paths {
         let mut sampler = Sampler::new(0, 0, purpose::LIGHT, index);
-        let emission = lit.scene.emit(&mut sampler).expect("a photon");
+        let (_, emission) = lit.scene.emit(&mut sampler).expect("a photon");
         let mut diary = Diary::default();
         walk(&lit.scene, PathState::new(emission.ray, emission.flux), Origin::Light, &limits, &mut sampler, &mut diary);
         all.extend(diary.landings);
@@ -158,7 +158,7 @@ fn a_photon_is_a_caustic_one_exactly_if_it_met_something_and_nothing_but_mirrors
         .iter()
         .map(|(position, events, _)| {
             let caustic = !events.is_empty() && events.iter().all(|event| Lobes::DELTA.contains(*event));
-            (key(*position), events.len() as u32, caustic)
+            (key(*position), events.len() as u16, caustic)
         })
         .collect();
     let mut found: Vec<_> = (room.map(0).photons().iter())

@@ -791,7 +791,7 @@ fn with_several_lights_each_gets_its_due() {
         let [red, green, _] = scene.illuminate(Vec3::ZERO, &mut sampler).map_or([0.0; 3], |l| l.irradiance.to_rgb());
         sums[0].push(f64::from(red));
         sums[1].push(f64::from(green));
-        photons.push(f64::from(scene.emit(&mut sampler).expect("a photon").flux.mean()));
+        photons.push(f64::from(scene.emit(&mut sampler).expect("a photon").1.flux.mean()));
     }
     assert_mean("red", &sums[0], 1.0 + 9.0 / 4.0 + 0.1, 0.0, 0.1);
     assert_mean("green", &sums[1], 1.0 + 0.1, 0.0, 0.1);

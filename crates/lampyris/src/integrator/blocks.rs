@@ -84,8 +84,9 @@ pub(super) fn light_pass<V: Visitor + Send>(
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
             let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
-            let Some(emission) = scene.emit(&mut sampler) else { continue };
-            let path = PathState { hidden_lamp: emission.hidden, ..PathState::new(emission.ray, emission.flux) };
+            let Some((light, emission)) = scene.emit(&mut sampler) else { continue };
+            visitor.emitted(light, &emission);
+            let path = PathState { hidden_lamp: emission.is_hidden(), ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);
             let watts = |flux: Spectrum| f64::from(Spectrum::from_rgb(scene.basis().to_rgb(flux)).mean());

@@ -1,12 +1,16 @@
 //! Integrators: each is its first rays and its visitor.
 
+mod auto;
 mod blocks;
 mod dots;
 mod light;
+mod look;
 mod path;
 mod photon_map;
+mod photons;
 mod pilot;
 
+pub use auto::Auto;
 pub use light::LightTracing;
 pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
@@ -52,6 +56,7 @@ pub fn integrator(
     observer: &dyn Observer,
 ) -> Box<dyn Integrator> {
     match description {
+        IntegratorDescription::Auto(settings) => Box::new(Auto::new(scene, film, settings.clone(), seed, observer)),
         IntegratorDescription::PhotonMap(settings) => {
             Box::new(PhotonMapping::new(scene, film, settings.clone(), seed, observer))
         }

@@ -1,16 +1,12 @@
 //! Path tracing with next-event estimation and multiple importance sampling: the reference (theory §4.4).
 
-use glam::Vec3;
-
 use super::blocks::camera_pass;
+use super::look::Look;
 use super::{Integrator, Observer, Pass, Phase};
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
-use crate::material::{Lobes, Scattered};
-use crate::sampler::Sampler;
+use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, PathSettings};
-use crate::scene::{Scene, SurfacePoint};
-use crate::spectrum::Spectrum;
-use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, mis_weight, walk};
+use crate::transport::{Limits, Origin, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -55,49 +51,9 @@ impl PathTracing {
             observer,
             || (),
             |path, sampler, (), sink: &mut S| {
-                let mut look = Look { scene, max_bounces: limits.max_bounces, sink, last: None };
+                let mut look = Look::new(scene, limits.max_bounces, sink, None);
                 walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
             },
         )
-    }
-}
-
-/// Adds up the light that a path from the camera meets.
-struct Look<'a, S> {
-    scene: &'a Scene,
-    max_bounces: u32,
-    sink: &'a mut S,
-    /// Where and with which density the last smooth event chose its direction; none after a delta event.
-    last: Option<(Vec3, f32)>,
-}
-
-impl<S: Sink> Visitor for Look<'_, S> {
-    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
-        self.sink.surface(point, path);
-        let emitted = self.scene.emitted(point);
-        if !emitted.is_zero() {
-            let weight = self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, self.scene.emitted_pdf(from, point)));
-            self.sink.add(path.throughput * emitted * weight, path.bounce);
-        }
-        if path.bounce < self.max_bounces {
-            let light = direct_light(self.scene, point, Some(Lobes::ALL), sampler);
-            self.sink.add(path.throughput * light, path.bounce + 1);
-        }
-        Lobes::ALL
-    }
-
-    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
-        let smooth = Lobes::SMOOTH.contains(scattered.event);
-        self.last = smooth.then_some((point.surface.position, scattered.pdf));
-    }
-
-    fn escaped(&mut self, path: &PathState) {
-        // Each light by its own density: a shadow ray to one of them brings the light of that one alone.
-        let weighted = |(radiance, of_shadow_rays): (Spectrum, f32)| {
-            radiance * self.last.map_or(1.0, |(_, pdf)| mis_weight(pdf, of_shadow_rays))
-        };
-        let lights = self.scene.backgrounds(path.ray.direction).map(weighted);
-        let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
-        self.sink.add(path.throughput * radiance, path.bounce);
     }
 }

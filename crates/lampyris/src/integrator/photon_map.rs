@@ -1,11 +1,12 @@
 //! Photon mapping: walks from the lamps leave photons, walks from the camera gather them (theory §5).
 
-use super::blocks::{BLOCK, camera_pass, light_pass};
+use super::blocks::camera_pass;
 use super::path::CAMERA_ROULETTE_FROM;
-use super::{Integrator, Observer, Pass, Phase, Work, dots, pilot};
+use super::photons::Photons;
+use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
-use crate::photon::{Bandwidth, Deposit, Estimate, Nearest, Photon, PhotonMap, Radius};
+use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
 use crate::scene::description::{BandwidthRule, Direct, FilmDescription, PhotonMapSettings, Show};
 use crate::scene::{Scene, SurfacePoint};
@@ -100,7 +101,7 @@ impl Integrator for PhotonMapping {
     }
 }
 
-/// Traces the light paths of a pass and sorts their photons for this radius.
+/// The photon map of a pass, sorted for this radius.
 pub(super) fn photon_map(
     scene: &Scene,
     settings: &PhotonMapSettings,
@@ -108,17 +109,9 @@ pub(super) fn photon_map(
     radius: Radius,
     observer: &dyn Observer,
 ) -> PhotonMap {
-    observer.phase(Phase::Photons);
-    let (paths, max_bounces) = (u64::from(settings.photons), settings.max_bounces);
     let direct = settings.direct == Direct::Photons;
-    // A block has some thousand paths and most paths a photon or two; growing would copy them.
-    let new = || Deposit { photons: Vec::with_capacity(2 * BLOCK as usize), direct, max_bounces };
-    let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
-    observer.phase(Phase::Map);
-    let blocks: Vec<Vec<Photon>> = blocks.into_iter().map(|block| block.photons).collect();
-    let map = PhotonMap::from_blocks(&blocks, paths, radius);
-    observer.work(&Work { photons: map.photons().len() as u64, ..Work::default() });
-    map
+    let photons = Photons { paths: u64::from(settings.photons), max_bounces: settings.max_bounces, direct };
+    photons.map(scene, pass, radius, || None, observer)
 }
 
 /// Gathers photons at smooth lobes and follows delta lobes.
@@ -137,7 +130,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
         self.sink.add(path.throughput * self.scene.emitted(point), path.bounce);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
-                let light = direct_light(self.scene, point, None, sampler);
+                let light = direct_light(self.scene, point, sampler, |_| 1.0);
                 self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.

@@ -1,4 +1,4 @@
-//! The pilot: a radius for photon mapping where the user gives none.
+//! The pilot: radii where the user gives none.
 //!
 //! It traces one pass of photons of its own and measures, where the camera would gather, how far the k-th nearest photon
 //! is. Its result depends on scene, film, settings and seed alone, so that every pass stays a pure function of these,
@@ -9,7 +9,7 @@ use glam::Vec2;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photon_map::photon_map;
 use super::{Observer, Pass, Phase};
-use crate::material::Lobes;
+use crate::material::{Lobes, Scattered};
 use crate::photon::{Nearest, PhotonMap, Radius};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::description::{FilmDescription, PhotonMapSettings};
@@ -20,6 +20,9 @@ use crate::transport::{Limits, Origin, PathState, Visitor, walk};
 /// Rays from the camera that look for gather points.
 const RAYS: u64 = 1024;
 
+/// The pass of the pilot: none has this number. Its map is thrown away.
+pub(super) const PASS: u32 = u32::MAX;
+
 /// The median distance of the `settings.k`-th nearest photon from the points where the camera gathers, in scene units.
 pub(super) fn radius(
     scene: &Scene,
@@ -29,51 +32,72 @@ pub(super) fn radius(
     observer: &dyn Observer,
 ) -> f32 {
     observer.phase(Phase::Pilot);
-    // No pass has this number, and the map is thrown away.
-    let pass = Pass { index: u32::MAX, seed };
-    let count = settings.k as usize;
+    let (pass, count) = (Pass { index: PASS, seed }, settings.k as usize);
     let map = photon_map(scene, settings, &pass, Radius::Nearest { count, max_radius: f32::INFINITY }, observer);
+    let (mut found, mut radii) = (Nearest::default(), Vec::new());
+    gather_points(scene, film, settings.max_bounces, seed, |point, _, _| {
+        radii.push(distance(&map, point, count, &mut found));
+        Lobes::DELTA
+    });
+    median(radii).unwrap_or_else(|| fallback(scene))
+}
+
+/// The distance of the `count`-th nearest photon, or of the farthest if there are fewer.
+pub(super) fn distance(map: &PhotonMap, point: &SurfacePoint, count: usize, found: &mut Nearest) -> f32 {
+    map.nearest(point.surface.position, count, f32::INFINITY, found).0
+}
+
+/// Tells `visit` of points with smooth lobes that walks from the camera reach, and of how many smooth events led there.
+/// It answers which lobes to follow.
+pub(super) fn gather_points(
+    scene: &Scene,
+    film: &FilmDescription,
+    max_bounces: u32,
+    seed: u64,
+    visit: impl FnMut(&SurfacePoint, &PathState, u32) -> Lobes,
+) {
     let [width, height] = film.size.map(|side| side as f32);
-    let limits = Limits { max_bounces: settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-    let mut measure = Measure { map: &map, count, found: Nearest::default(), radii: Vec::new() };
+    let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+    let mut visitor = GatherPoints { visit, smooth_events: 0 };
     for index in 0..RAYS {
-        let mut sampler = Sampler::new(seed, pass.index, purpose::PILOT, index);
+        let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, index);
         let pixel = sampler.square() * Vec2::new(width, height);
         let (ray, _) = scene.view(pixel, &mut sampler);
-        walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &limits, &mut sampler, &mut measure);
+        let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::ONE) };
+        visitor.smooth_events = 0;
+        walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut visitor);
     }
-    measure.median().unwrap_or_else(|| fallback(scene))
+}
+
+struct GatherPoints<F> {
+    visit: F,
+    smooth_events: u32,
+}
+
+impl<F: FnMut(&SurfacePoint, &PathState, u32) -> Lobes> Visitor for GatherPoints<F> {
+    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
+        if point.bsdf.lobes().meets(Lobes::SMOOTH) {
+            (self.visit)(point, path, self.smooth_events)
+        } else {
+            Lobes::DELTA
+        }
+    }
+
+    fn scattered(&mut self, scattered: &Scattered, _: &SurfacePoint, _: &PathState) {
+        self.smooth_events += u32::from(Lobes::SMOOTH.contains(scattered.event));
+    }
+}
+
+/// The median of those numbers that are positive and finite.
+pub(super) fn median(mut numbers: Vec<f32>) -> Option<f32> {
+    numbers.retain(|number| number.is_finite() && *number > 0.0);
+    let middle = numbers.len() / 2;
+    let (_, median, _) = (!numbers.is_empty()).then(|| numbers.select_nth_unstable_by(middle, f32::total_cmp))?;
+    Some(*median)
 }
 
 /// Without gather points or photons the radius matters little; it must only be positive and scale with the scene.
-fn fallback(scene: &Scene) -> f32 {
+pub(super) fn fallback(scene: &Scene) -> f32 {
     let radius = scene.bounds().radius();
     if radius.is_finite() && radius > 0.0 { 0.01 * radius } else { 1.0 }
-}
-
-/// Measures at gather points; follows delta lobes, as the gathering walk does.
-struct Measure<'a> {
-    map: &'a PhotonMap,
-    count: usize,
-    found: Nearest,
-    radii: Vec<f32>,
-}
-
-impl Visitor for Measure<'_> {
-    fn vertex(&mut self, point: &SurfacePoint, _: &PathState, _: &mut Sampler) -> Lobes {
-        if point.bsdf.lobes().meets(Lobes::SMOOTH) {
-            self.radii.push(self.map.nearest(point.surface.position, self.count, f32::INFINITY, &mut self.found).0);
-        }
-        Lobes::DELTA
-    }
-}
-
-impl Measure<'_> {
-    fn median(mut self) -> Option<f32> {
-        self.radii.retain(|radius| radius.is_finite() && *radius > 0.0);
-        let middle = self.radii.len() / 2;
-        let (_, median, _) =
-            (!self.radii.is_empty()).then(|| self.radii.select_nth_unstable_by(middle, f32::total_cmp))?;
-        Some(*median)
-    }
 }

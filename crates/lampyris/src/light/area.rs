@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{Emission, Emit, Illumination};
+use super::{Emission, Emit, Illumination, Source};
 use crate::geometry::{Shape, Surface, Surfaces};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -47,6 +47,11 @@ impl Area {
         surfaces.pdf_from(self.shape, at, surface).unwrap_or(0.0)
     }
 
+    /// Density of [`Emit::emit`], per area across the ray and per solid angle, of all rays from all points.
+    pub fn emission(&self, surfaces: &Surfaces) -> f32 {
+        1.0 / self.per_radiance(surfaces.area(self.shape))
+    }
+
     /// Flux in W, of both sides together.
     pub fn power(&self) -> Spectrum {
         self.power
@@ -74,8 +79,14 @@ impl Emit for Area {
         let (side, u) = self.side(sampler.square());
         let direction = Frame::around(surface.normal * side).to_world(warp::cosine_hemisphere(u));
         let radiance = self.radiance.at(&Lookup::point(surface.uv));
-        let flux = radiance * self.per_radiance(surfaces.area(self.shape));
-        (!flux.is_zero()).then(|| Emission { ray: surface.spawn(direction), flux, hidden: false })
+        let density = self.emission(surfaces);
+        let source = Source::Shape(self.shape, surface);
+        (!radiance.is_zero()).then(|| Emission {
+            ray: surface.spawn(direction),
+            flux: radiance / density,
+            source,
+            density,
+        })
     }
 
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
@@ -86,7 +97,8 @@ impl Emit for Area {
             return None;
         }
         let target = Some(surface.offset(-to_light));
-        Some(Illumination { to_light, target, irradiance: radiance / pdf, pdf: Some(pdf) })
+        let emission = self.emission(surfaces) / pdf;
+        Some(Illumination { to_light, target, irradiance: radiance / pdf, pdf: Some(pdf), emission })
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {

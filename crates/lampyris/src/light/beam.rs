@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination};
+use super::{Emission, Emit, Illumination, Source};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -24,11 +24,19 @@ pub struct Beam {
     pub power: Spectrum,
 }
 
+impl Beam {
+    /// Density of a photon per area across the beam.
+    fn density(&self) -> f32 {
+        1.0 / (PI * self.radius * self.radius)
+    }
+}
+
 impl Emit for Beam {
     fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let on_disk = self.direction.to_world(warp::disk(sampler.square()).extend(0.0));
         let ray = Ray { origin: self.position + on_disk * self.radius, direction: self.direction.normal };
-        Some(Emission { ray, flux: self.power, hidden: self.radius == 0.0 })
+        let source = if self.radius > 0.0 { Source::Parallel } else { Source::Hidden };
+        Some(Emission { ray, flux: self.power, source, density: self.density() })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
@@ -38,8 +46,9 @@ impl Emit for Beam {
         inside.then(|| Illumination {
             to_light: -self.direction.normal,
             target: Some(start),
-            irradiance: self.power / (PI * self.radius * self.radius),
+            irradiance: self.power * self.density(),
             pdf: None,
+            emission: self.density(),
         })
     }
 

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Far, Illumination, World};
+use super::{Emission, Emit, Far, Illumination, Source, World};
 use crate::geometry::Surfaces;
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -28,13 +28,15 @@ impl Emit for Constant {
         Some(Emission {
             ray: self.world.entry(&direction, sampler.square()),
             flux: self.power(surfaces),
-            hidden: false,
+            source: Source::Far(PDF),
+            density: PDF * self.world.density(),
         })
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
         let to_light = warp::sphere(sampler.square());
-        Some(Illumination { to_light, target: None, irradiance: self.radiance / PDF, pdf: Some(PDF) })
+        let emission = self.world.density();
+        Some(Illumination { to_light, target: None, irradiance: self.radiance / PDF, pdf: Some(PDF), emission })
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
@@ -49,5 +51,9 @@ impl Far for Constant {
 
     fn pdf(&self, _: Vec3) -> f32 {
         PDF
+    }
+
+    fn emission(&self, _: Vec3) -> f32 {
+        PDF * self.world.density()
     }
 }

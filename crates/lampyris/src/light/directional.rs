@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination, World};
+use super::{Emission, Emit, Illumination, Source, World};
 use crate::geometry::Surfaces;
 use crate::math::Frame;
 use crate::sampler::Sampler;
@@ -24,13 +24,15 @@ impl Emit for Directional {
         Some(Emission {
             ray: self.world.entry(&self.direction, sampler.square()),
             flux: self.power(surfaces),
-            hidden: false,
+            source: Source::Parallel,
+            density: self.world.density(),
         })
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, _: &mut Sampler) -> Option<Illumination> {
         let to_light = -self.direction.normal;
-        Some(Illumination { to_light, target: None, irradiance: self.irradiance, pdf: None })
+        let emission = self.world.density();
+        Some(Illumination { to_light, target: None, irradiance: self.irradiance, pdf: None, emission })
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {

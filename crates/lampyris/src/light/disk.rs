@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Far, Illumination, World};
+use super::{Emission, Emit, Far, Illumination, Source, World};
 use crate::geometry::Surfaces;
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -43,17 +43,20 @@ impl SkyDisk {
 impl Emit for SkyDisk {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let direction = Frame::around(-self.sample(sampler));
+        let pdf = 1.0 / self.solid_angle();
         Some(Emission {
             ray: self.world.entry(&direction, sampler.square()),
             flux: self.power(surfaces),
-            hidden: false,
+            source: Source::Far(pdf),
+            density: pdf * self.world.density(),
         })
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
         let to_light = self.sample(sampler);
         let pdf = 1.0 / self.solid_angle();
-        Some(Illumination { to_light, target: None, irradiance: self.radiance / pdf, pdf: Some(pdf) })
+        let emission = self.world.density();
+        Some(Illumination { to_light, target: None, irradiance: self.radiance / pdf, pdf: Some(pdf), emission })
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
@@ -70,5 +73,9 @@ impl Far for SkyDisk {
         // 1 - cos is half the square of the chord, which keeps its digits for small angles.
         let inside = 0.5 * (toward - self.toward.normal).length_squared() <= self.height;
         if inside { 1.0 / self.solid_angle() } else { 0.0 }
+    }
+
+    fn emission(&self, toward: Vec3) -> f32 {
+        self.pdf(toward) * self.world.density()
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::{Emission, Emit, Far, Illumination, World};
+use super::{Emission, Emit, Far, Illumination, Source, World};
 use crate::geometry::Surfaces;
 use crate::image::Image;
 use crate::math::{Frame, Grid};
@@ -222,12 +222,14 @@ impl Emit for Environment {
     fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let (toward, radiance, pdf) = self.sample(sampler)?;
         let ray = self.world.entry(&Frame::around(-toward), sampler.square());
-        Some(Emission { ray, flux: radiance * (self.world.section() / pdf), hidden: false })
+        let density = pdf * self.world.density();
+        Some(Emission { ray, flux: radiance / density, source: Source::Far(pdf), density })
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
         let (to_light, radiance, pdf) = self.sample(sampler)?;
-        Some(Illumination { to_light, target: None, irradiance: radiance / pdf, pdf: Some(pdf) })
+        let emission = self.world.density();
+        Some(Illumination { to_light, target: None, irradiance: radiance / pdf, pdf: Some(pdf), emission })
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
@@ -244,6 +246,10 @@ impl Far for Environment {
         let at = self.point(toward);
         let solid_angle = self.mapping.solid_angle(at);
         if solid_angle > 0.0 { self.grid.pdf(at) / solid_angle } else { 0.0 }
+    }
+
+    fn emission(&self, toward: Vec3) -> f32 {
+        self.pdf(toward) * self.world.density()
     }
 }
 

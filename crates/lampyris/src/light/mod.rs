@@ -26,7 +26,7 @@ pub use sky::{Sky, sky_picture, sun_irradiance};
 pub use spot::Spot;
 pub use world::World;
 
-use crate::geometry::{Ray, Surfaces};
+use crate::geometry::{Ray, Surface, Surfaces};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
@@ -40,8 +40,33 @@ pub struct Emission {
     pub ray: Ray,
     /// Flux in W that it carries if it is the only one: the emitted light × cosine / density.
     pub flux: Spectrum,
-    /// Whether no shadow ray finds the light, so that photons must carry its direct light, too.
-    pub hidden: bool,
+    /// Where it leaves, for those who want to know how else its path could have begun.
+    pub source: Source,
+    /// Density of this ray: per solid angle from a point; per area across the ray for parallel light; per area across
+    /// the ray and per solid angle for all others, whose flux is radiance over density.
+    pub density: f32,
+}
+
+impl Emission {
+    /// Whether no shadow ray finds the light.
+    pub fn is_hidden(&self) -> bool {
+        matches!(self.source, Source::Hidden)
+    }
+}
+
+/// From what a photon comes, and so how else its light is found.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// A point: found by shadow rays alone.
+    Point,
+    /// Infinitely far away in one direction, or in a beam: found by shadow rays alone.
+    Parallel,
+    /// A point of the shape of this number: found by shadow rays and by rays that meet it.
+    Shape(u32, Surface),
+    /// Infinitely far away, where shadow rays have this density per solid angle; found by rays that leave the scene, too.
+    Far(f32),
+    /// What neither shadow rays nor others find, so that photons must carry its direct light, too.
+    Hidden,
 }
 
 /// Light as it would arrive at a point from one direction if nothing stood between.
@@ -55,6 +80,8 @@ pub struct Illumination {
     pub irradiance: Spectrum,
     /// Density of the direction per solid angle; none if the light can be reached in this direction alone.
     pub pdf: Option<f32>,
+    /// Density of a photon that comes this way, per area across it, over that of this draw.
+    pub emission: f32,
 }
 
 /// What every light does. The shapes of the scene are lent to lights that are surfaces.
@@ -76,6 +103,9 @@ pub trait Far {
 
     /// Density of [`Emit::illuminate`] per solid angle, which does not depend on where it is asked.
     fn pdf(&self, toward: Vec3) -> f32;
+
+    /// Density of [`Emit::emit`] from this direction, per solid angle and per area across it.
+    fn emission(&self, toward: Vec3) -> f32;
 }
 
 /// The closed set of lights.

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination};
+use super::{Emission, Emit, Illumination, Source};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::warp;
 use crate::sampler::Sampler;
@@ -22,11 +22,11 @@ pub struct Point {
 impl Emit for Point {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
         let ray = Ray { origin: self.position, direction: warp::sphere(sampler.square()) };
-        Some(Emission { ray, flux: self.power(surfaces), hidden: false })
+        Some(Emission { ray, flux: self.power(surfaces), source: Source::Point, density: PDF })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
-        from_point(self.position, at, |_| self.intensity)
+        from_point(self.position, at, |_| (self.intensity, PDF))
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
@@ -34,14 +34,19 @@ impl Emit for Point {
     }
 }
 
-/// Light that arrives at `at` from a point with this intensity towards a direction.
-pub(super) fn from_point(position: Vec3, at: Vec3, intensity: impl Fn(Vec3) -> Spectrum) -> Option<Illumination> {
+/// Density of a direction per solid angle.
+const PDF: f32 = 0.25 / PI;
+
+/// Light that arrives at `at` from a point with this intensity towards a direction, in which photons leave with the
+/// density per solid angle that comes second.
+pub(super) fn from_point(position: Vec3, at: Vec3, toward: impl Fn(Vec3) -> (Spectrum, f32)) -> Option<Illumination> {
     let to = position - at;
     let distance2 = to.length_squared();
     if distance2 <= 0.0 {
         return None;
     }
     let to_light = to / distance2.sqrt();
-    let irradiance = intensity(-to_light) / distance2;
-    Some(Illumination { to_light, target: Some(position), irradiance, pdf: None })
+    let (intensity, pdf) = toward(-to_light);
+    let (irradiance, emission) = (intensity / distance2, pdf / distance2);
+    Some(Illumination { to_light, target: Some(position), irradiance, pdf: None, emission })
 }

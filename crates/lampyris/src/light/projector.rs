@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Emission, Emit, Illumination, point};
+use super::{Emission, Emit, Illumination, Source, point};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::Grid;
 use crate::sampler::Sampler;
@@ -50,19 +50,25 @@ impl Projector {
         self.texture.at(&Lookup::point(uv)) * self.scale
     }
 
-    /// Radiant intensity in W/sr.
-    fn intensity(&self, direction: Vec3) -> Spectrum {
+    /// Density of a direction per solid angle, from that of its point in the unit square, under this cosine to the axis.
+    fn pdf(&self, in_square: f32, cos: f32) -> f32 {
+        // A solid angle dω covers dω / cos³ of the plane at distance 1.
+        in_square / (4.0 * self.half.x * self.half.y * cos * cos * cos)
+    }
+
+    /// Radiant intensity in W/sr, and the density per solid angle with which photons leave.
+    fn intensity(&self, direction: Vec3) -> (Spectrum, f32) {
         let [right, up, forward] = self.axes;
         let cos = direction.dot(forward);
         if cos <= 0.0 {
-            return Spectrum::ZERO;
+            return (Spectrum::ZERO, 0.0);
         }
         let across = Vec2::new(direction.dot(right), direction.dot(up)) / (cos * self.half);
         if across.abs().max_element() > 1.0 {
-            return Spectrum::ZERO;
+            return (Spectrum::ZERO, 0.0);
         }
-        // A solid angle dω covers dω / cos³ of the plane at distance 1.
-        self.irradiance(0.5 + 0.5 * across) / (cos * cos * cos)
+        let uv = 0.5 + 0.5 * across;
+        (self.irradiance(uv) / (cos * cos * cos), self.pdf(self.grid.pdf(uv), cos))
     }
 }
 
@@ -72,8 +78,9 @@ impl Emit for Projector {
         let across = (2.0 * uv - Vec2::ONE) * self.half;
         let [right, up, forward] = self.axes;
         let ray = Ray { origin: self.position, direction: (right * across.x + up * across.y + forward).normalize() };
+        let density = self.pdf(pdf, 1.0 / (1.0 + across.length_squared()).sqrt());
         let flux = self.irradiance(uv) * (4.0 * self.half.x * self.half.y / pdf);
-        (!flux.is_zero()).then_some(Emission { ray, flux, hidden: false })
+        (!flux.is_zero()).then_some(Emission { ray, flux, source: Source::Point, density })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {

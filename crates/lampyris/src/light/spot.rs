@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination, point};
+use super::{Emission, Emit, Illumination, Source, point};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -35,6 +35,11 @@ impl Spot {
         (std::f64::consts::TAU * (1.0 - edge)) as f32
     }
 
+    /// Density per solid angle of a direction in the cone.
+    fn pdf(&self) -> f32 {
+        1.0 / (TAU * (1.0 - self.cutoff.cos()))
+    }
+
     fn falloff(&self, direction: Vec3) -> f32 {
         let angle = self.axis.normal.cross(direction).length().atan2(self.axis.normal.dot(direction));
         if angle >= self.cutoff {
@@ -49,14 +54,15 @@ impl Spot {
 
 impl Emit for Spot {
     fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let cos_max = self.cutoff.cos();
-        let direction = self.axis.to_world(warp::cone(sampler.square(), cos_max));
-        let flux = self.intensity * (self.falloff(direction) * TAU * (1.0 - cos_max));
-        (!flux.is_zero()).then_some(Emission { ray: Ray { origin: self.position, direction }, flux, hidden: false })
+        let direction = self.axis.to_world(warp::cone(sampler.square(), self.cutoff.cos()));
+        let density = self.pdf();
+        let flux = self.intensity * (self.falloff(direction) / density);
+        let ray = Ray { origin: self.position, direction };
+        (!flux.is_zero()).then_some(Emission { ray, flux, source: Source::Point, density })
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
-        point::from_point(self.position, at, |direction| self.intensity * self.falloff(direction))
+        point::from_point(self.position, at, |direction| (self.intensity * self.falloff(direction), self.pdf()))
             .filter(|illumination| !illumination.irradiance.is_zero())
     }
 

@@ -24,6 +24,11 @@ impl World {
         Ray { origin: self.center + on_disk * self.radius, direction: direction.normal }
     }
 
+    /// Density of the place where such a ray starts, per area across it.
+    pub(super) fn density(&self) -> f32 {
+        1.0 / self.section()
+    }
+
     /// Area of that disk.
     pub(super) fn section(&self) -> f32 {
         PI * self.radius * self.radius

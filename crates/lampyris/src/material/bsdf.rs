@@ -161,6 +161,8 @@ pub struct Bsdf<'a> {
     count: u8,
     lobes: Lobes,
     transmits: bool,
+    /// Whether a rough part separates wavelengths.
+    separates: bool,
 }
 
 /// A direction in which a path goes on.
@@ -170,7 +172,7 @@ pub struct Scattered {
     pub to_next: Vec3,
     /// What the throughput is multiplied by: value × cosine / density.
     pub weight: Spectrum,
-    /// Density per solid angle; for delta events the probability of the event.
+    /// [`Bsdf::pdf`], a density per solid angle; for delta events the probability of the event.
     pub pdf: f32,
     /// What happened.
     pub event: Event,
@@ -182,7 +184,7 @@ impl Default for Bsdf<'_> {
     /// Without any part: black.
     fn default() -> Self {
         let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
-        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false }
+        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false, separates: false }
     }
 }
 
@@ -196,7 +198,8 @@ impl<'a> Bsdf<'a> {
 
     /// Takes all parts away.
     pub(super) fn clear(&mut self) {
-        (self.count, self.lobes, self.transmits) = (0, Lobes::NONE, false);
+        (self.count, self.lobes) = (0, Lobes::NONE);
+        (self.transmits, self.separates) = (false, false);
     }
 
     /// Adds a part.
@@ -206,6 +209,7 @@ impl<'a> Bsdf<'a> {
     pub(super) fn push(&mut self, part: Part<'a>) {
         self.lobes = self.lobes | part.model.lobes();
         self.transmits |= part.model.transmits();
+        self.separates |= matches!(part.model, Model::RoughGlass(RoughGlass { fan: Some(_), .. }));
         self.parts[usize::from(self.count)] = part;
         self.count += 1;
     }
@@ -244,6 +248,12 @@ impl<'a> Bsdf<'a> {
         value
     }
 
+    /// Whether there is Lambert's reflection and nothing else.
+    #[inline]
+    pub fn is_lambertian(&self) -> bool {
+        matches!(self.parts(), [Part { model: Model::Diffuse(_), .. }])
+    }
+
     /// The value of [`Bsdf::eval`] where it is the same for all directions on the side of `to_previous`, and zero on the
     /// other.
     #[inline]
@@ -272,17 +282,27 @@ impl<'a> Bsdf<'a> {
         if total <= 0.0 {
             return 0.0;
         }
-        self.smooth_pdf(&weights, to_previous, to_next) / total
+        self.smooth_pdf(&weights, |part, event| part.pdf(event, to_previous, to_next)) / total
     }
 
     /// One event out of those that may be followed, with a direction; none if nothing can be followed. What absorbs
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        let mut scattered = self.draw(to_previous, follow, sampler)?;
+        if self.separates && Lobes::SMOOTH.contains(scattered.event) {
+            scattered.pdf = self.pdf(to_previous, scattered.to_next, follow);
+        }
+        Some(scattered)
+    }
+
+    /// [`Bsdf::sample`], with the density with which the direction was drawn indeed.
+    #[inline]
+    fn draw(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
         if let Some((part, event)) = self.only(follow) {
             let rest = sampler.uniform();
             let u = numbers(rest, sampler);
             return part.follow(event, 1.0, to_previous, u, |to_next| {
-                (part.pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
+                (part.drawn_pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
             });
         }
         let weights = self.weights(to_previous, follow);
@@ -290,7 +310,8 @@ impl<'a> Bsdf<'a> {
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
         let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
         part.follow(event, probability, to_previous, numbers(rest, sampler), |to_next| {
-            (self.smooth_pdf(&weights, to_previous, to_next) / total, self.eval(to_previous, to_next))
+            let pdf = self.smooth_pdf(&weights, |part, event| part.drawn_pdf(event, to_previous, to_next));
+            (pdf / total, self.eval(to_previous, to_next))
         })
     }
 
@@ -317,13 +338,13 @@ impl<'a> Bsdf<'a> {
     }
 
     /// The densities of all smooth events, times their unnormalised weights.
-    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
+    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], of: impl Fn(&Part, Event) -> f32) -> f32 {
         let mut pdf = 0.0;
         for (part, weights) in self.parts().iter().zip(weights) {
             for event in [Event::Diffuse, Event::Glossy] {
                 let weight = weights[event.index()];
                 if weight > 0.0 {
-                    pdf += weight * part.pdf(event, to_previous, to_next);
+                    pdf += weight * of(part, event);
                 }
             }
         }
@@ -349,6 +370,15 @@ impl Part<'_> {
         match &self.model {
             Model::Diffuse(diffuse) => diffuse.pdf(event, to_previous, to_next),
             model => model.scatter().pdf(event, to_previous, to_next),
+        }
+    }
+
+    /// The density with which this very path draws the direction.
+    #[inline]
+    fn drawn_pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+        match &self.model {
+            Model::RoughGlass(glass) => glass.drawn_pdf(event, self.turned(to_previous), self.turned(to_next)),
+            _ => self.pdf(event, to_previous, to_next),
         }
     }
 

@@ -28,7 +28,7 @@ impl Ior {
         self.below.disperses() || self.above.disperses()
     }
 
-    /// The index, and that of each lane where the path carries several wavelengths that the boundary separates.
+    /// The index, and that of each lane in a pass whose wavelengths the boundary separates.
     #[inline]
     pub(super) fn at(&self, at: &Lookup) -> (f32, Option<Fan>) {
         match at.basis.nanometres() {
@@ -44,15 +44,9 @@ impl Ior {
             (self.below.at(nanometres) / self.above.at(nanometres)) as f32
         });
         let carried = carried.lanes().map(f32::abs);
-        let mut alive = (0..4).filter(|&lane| carried[lane] > 0.0);
-        if let (Some(alone), None) = (alive.next(), alive.next()) {
-            return (iors[alone], None);
-        }
         let sum: f32 = carried.iter().sum();
-        if sum <= 0.0 {
-            return (self.at_d, None);
-        }
-        (self.at_d, Some(Fan { iors, chances: carried.map(|lane| lane / sum) }))
+        let chances = if sum > 0.0 { carried.map(|lane| lane / sum) } else { [0.25; 4] };
+        (self.at_d, Some(Fan { iors, chances }))
     }
 }
 
@@ -127,13 +121,16 @@ mod tests {
     }
 
     #[test]
-    fn a_path_of_one_wavelength_meets_its_index_alone() {
+    fn a_path_of_one_wavelength_follows_it_alone() {
         let basis = Basis::wavelengths_at(0.5);
         let Some(nanometres) = basis.nanometres() else { panic!("four wavelengths") };
         for (lane, nanometres) in nanometres.into_iter().enumerate() {
             let at = Lookup { basis: &basis, carried: (Spectrum::ONE * 0.3).only(lane), ..Lookup::point(Vec2::ZERO) };
             let exact = Dispersion::of_substance("sf11").expect("sf11").at(nanometres.into()) as f32;
-            assert_eq!(glass().at(&at), (exact, None));
+            let (_, fan) = glass().at(&at);
+            let fan = fan.expect("the glass disperses");
+            assert_eq!((fan.iors[lane], fan.chances[lane]), (exact, 1.0));
+            assert!([0.0, 0.3, 0.999].iter().all(|&u| fan.choose(u).0 == lane));
         }
     }
 

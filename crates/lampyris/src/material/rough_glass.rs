@@ -120,6 +120,24 @@ impl RoughGlass<'_> {
         RoughGlass { ior: fan.iors[lane], fan: None, ..*self }
     }
 
+    /// The density over the facets of all lanes, each with this share.
+    fn mean_pdf(&self, fan: &Fan, shares: [f32; 4], to_previous: Vec3, to_next: Vec3) -> f32 {
+        let of_lane = |(lane, share)| match share {
+            0.0 => 0.0,
+            share => share * self.lane(fan, lane).pdf(Event::Glossy, to_previous, to_next),
+        };
+        shares.into_iter().enumerate().map(of_lane).sum()
+    }
+
+    /// The density with which this very path draws a direction. [`Scatter::pdf`], by which ways to find light are weighed
+    /// against each other, must not depend on what the path carries: others that find the same light carry something else.
+    pub(super) fn drawn_pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+        match &self.fan {
+            Some(fan) if event != Event::Diffuse => self.mean_pdf(fan, fan.chances, to_previous, to_next),
+            _ => self.pdf(event, to_previous, to_next),
+        }
+    }
+
     /// Index of refraction on the far side over that on the near side, by lane.
     pub(super) fn ior_ratios(&self, to_previous: Vec3) -> Option<Spectrum> {
         self.fan.map(|fan| fan.lanes(|ior| if to_previous.z > 0.0 { ior } else { 1.0 / ior }))
@@ -191,8 +209,7 @@ impl Scatter for RoughGlass<'_> {
             return share * warp::cosine_hemisphere_pdf(to_next.z.abs());
         }
         if let Some(fan) = &self.fan {
-            let pdf = |lane: usize| self.lane(fan, lane).pdf(event, to_previous, to_next) * fan.chances[lane];
-            return (0..4).map(pdf).sum();
+            return self.mean_pdf(fan, [0.25; 4], to_previous, to_next);
         }
         let Some(facet) = self.facet(to_previous, to_next) else { return 0.0 };
         let chance = self.chance(&facet.boundary);

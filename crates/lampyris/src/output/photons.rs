@@ -98,7 +98,7 @@ impl Record {
             before: [x, y, z, nx, ny, nz, dx, dy, dz],
             color: [r, g, b].map(shown),
             after: [r * share, g * share, b * share, photon.optical_length],
-            bounce: i32::try_from(photon.bounce).unwrap_or(i32::MAX),
+            bounce: i32::from(photon.bounce),
             caustic: u8::from(photon.is_caustic()),
         }
     }
@@ -161,6 +161,7 @@ mod tests {
             optical_length: 7.5,
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
+            rivals: 0.0,
             history,
         };
         let photons = vec![

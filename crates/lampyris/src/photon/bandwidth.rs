@@ -41,11 +41,14 @@ impl Bandwidth {
         match *self {
             Bandwidth::Fixed(radius) => Radius::Fixed(radius),
             Bandwidth::Nearest { count, max_radius } => Radius::Nearest { count, max_radius },
-            Bandwidth::Shrinking { initial, alpha } => {
-                Radius::Fixed(initial * (shrinkage(pass, alpha) / D as f64).exp() as f32)
-            }
+            Bandwidth::Shrinking { initial, alpha } => Radius::Fixed(initial * shrunk::<D>(pass, alpha)),
         }
     }
+}
+
+/// What is left of the radius of the first pass at pass number `pass`, from 0, in D dimensions.
+pub fn shrunk<const D: usize>(pass: u32, alpha: f32) -> f32 {
+    (shrinkage(pass, alpha) / D as f64).exp() as f32
 }
 
 /// ln Π (i + α)/(i + 1) for i from 1 to `pass`: the logarithm of what is left of the first pass's volume

@@ -1,27 +1,85 @@
 //! The visitor that leaves photons.
 
 use super::Photon;
-use crate::material::Lobes;
+use crate::light::{Emission, LightId};
+use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
-use crate::scene::SurfacePoint;
-use crate::transport::{PathState, Visitor};
+use crate::scene::{Scene, SurfacePoint};
+use crate::transport::{PathState, Rivals, Visitor};
 
 /// Leaves a photon wherever a walk from a lamp meets a smooth lobe; follows all lobes.
 #[derive(Debug)]
-pub struct Deposit {
+pub struct Deposit<'s> {
     /// The photons so far.
     pub photons: Vec<Photon>,
     /// Whether light that comes straight from a lamp is stored, too.
     pub direct: bool,
     /// The longest light path from lamp to eye, in scattering events.
     pub max_bounces: u32,
+    /// Notes what else could have made the paths of the photons, for those who ask.
+    pub instead: Option<Instead<'s>>,
 }
 
-impl Visitor for Deposit {
+/// What else could have made the path of a photon so far.
+#[derive(Debug)]
+pub struct Instead<'s> {
+    scene: &'s Scene,
+    /// Photons times area within which each is merged with a walk from the camera, beyond the first smooth surface that
+    /// the camera sees.
+    merging: f32,
+    on: f32,
+    from: From,
+    /// At the last vertex: as [`Rivals::at`], and of shadow rays.
+    at: (f32, f32),
+}
+
+/// Where the current segment began.
+#[derive(Debug)]
+enum From {
+    Nowhere,
+    Light(LightId, Emission),
+    Surface(Rivals),
+}
+
+impl<'s> Instead<'s> {
+    /// For photons of which so many, times area in scene units squared, are merged with a walk from the camera.
+    pub fn new(scene: &'s Scene, merging: f32, on: f32) -> Instead<'s> {
+        Instead { scene, merging, on, from: From::Nowhere, at: (0.0, 0.0) }
+    }
+
+    fn vertex(&mut self, point: &SurfacePoint) {
+        self.at = match &self.from {
+            From::Nowhere => (0.0, 0.0),
+            From::Light(light, emission) => {
+                let cos = point.geometric_cos(point.to_previous);
+                self.scene.instead_of(*light, emission, point.surface.position, cos)
+            }
+            From::Surface(rivals) => (rivals.at(point), 0.0),
+        };
+    }
+}
+
+impl Deposit<'_> {
+    /// Whether a photon is wanted here, if there is a smooth lobe.
+    fn wants(&self, path: &PathState) -> bool {
+        self.direct || path.bounce > 0 || path.hidden_lamp
+    }
+}
+
+impl Visitor for Deposit<'_> {
+    fn emitted(&mut self, light: LightId, emission: &Emission) {
+        if let Some(instead) = &mut self.instead {
+            instead.from = From::Light(light, *emission);
+        }
+    }
+
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
+        let rivals = self.instead.as_mut().map_or(0.0, |instead| {
+            instead.vertex(point);
+            instead.at.0
+        });
         // The event in which the photon is read is one more. Where there is none left, the walk cuts the path.
-        let wanted = self.direct || path.bounce > 0 || path.hidden_lamp;
-        let readable = path.bounce < self.max_bounces && wanted;
+        let readable = path.bounce < self.max_bounces && self.wants(path);
         if readable && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             let normal = point.surface.normal;
             self.photons.push(Photon {
@@ -30,10 +88,22 @@ impl Visitor for Deposit {
                 normal: if normal.dot(point.to_previous) < 0.0 { -normal } else { normal },
                 optical_length: path.optical_length as f32,
                 flux: path.throughput,
-                bounce: path.bounce,
+                rivals,
+                bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),
                 history: path.history,
             });
         }
         Lobes::ALL
+    }
+
+    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
+        let wants = self.wants(path);
+        if let Some(instead) = &mut self.instead {
+            let here = if wants { instead.merging } else { 0.0 };
+            let (at, shadow_rays) = instead.at;
+            let smooth = Lobes::SMOOTH.contains(scattered.event);
+            let back = if smooth { instead.on * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
+            instead.from = From::Surface(Rivals::after(at, at * back + shadow_rays + here, 1.0, point, scattered));
+        }
     }
 }

@@ -39,6 +39,26 @@ impl Estimate<'_> {
     /// Radiance that the smooth lobes at `point` reflect back along the path, of light whose photons have had at most
     /// `max_bounces` scattering events: Σ f Φ K / paths [Jensen 2001, eq. 7.6, with a kernel].
     pub fn radiance(&self, point: &SurfacePoint, max_bounces: u32, found: &mut Nearest) -> Spectrum {
+        let radius = self.find(point, found);
+        self.weighted(point, radius, max_bounces, found, |_| 1.0)
+    }
+
+    /// Leaves in `found` the photons around `point`, and returns how far they were looked for, in scene units.
+    #[inline]
+    pub fn find(&self, point: &SurfacePoint, found: &mut Nearest) -> f32 {
+        self.map.search(point.surface.position, self.radius, found)
+    }
+
+    /// [`Estimate::radiance`] of what was found within a radius, each photon with a weight against other ways of finding
+    /// the same light.
+    pub fn weighted(
+        &self,
+        point: &SurfacePoint,
+        radius: f32,
+        max_bounces: u32,
+        found: &mut Nearest,
+        share: impl Fn(&Photon) -> f32,
+    ) -> Spectrum {
         let center = point.surface.position;
         let normal = if point.surface.normal.dot(point.to_previous) < 0.0 {
             -point.surface.normal
@@ -50,9 +70,9 @@ impl Estimate<'_> {
         let mut add = |photon: &Photon, weight: f32| {
             let to_light = -photon.direction;
             let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
-            if photon.bounce <= max_bounces && counts {
+            if u32::from(photon.bounce) <= max_bounces && counts {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
-                let light = photon.flux * (weight / point.geometric_over_shading(to_light));
+                let light = photon.flux * (share(photon) * weight / point.geometric_over_shading(to_light));
                 sum += match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
@@ -60,7 +80,6 @@ impl Estimate<'_> {
                 };
             }
         };
-        let radius = self.map.search(center, self.radius, found);
         self.kernel.weigh::<2>(radius, found.hits.distances_squared_mut());
         let photons = self.map.photons();
         for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
@@ -85,6 +104,7 @@ mod tests {
             flux: Spectrum::ONE,
             bounce: 0,
             history: Lobes::NONE,
+            rivals: 0.0,
         };
         same_surface(&photon, Vec3::ZERO, Vec3::Z)
     }

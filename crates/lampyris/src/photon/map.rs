@@ -31,6 +31,18 @@ pub struct Nearest {
     last: f32,
 }
 
+impl Nearest {
+    /// How many photons the last search has found.
+    pub fn len(&self) -> usize {
+        self.hits.len()
+    }
+
+    /// Whether it has found none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
 impl PhotonMap {
     /// Sorts the photons of `paths_emitted` light paths for queries with about this radius. Equal photons in equal
     /// order give an equal map, on any number of threads.
@@ -166,6 +178,7 @@ mod tests {
                 optical_length: index as f32,
                 flux: Spectrum::ONE,
                 bounce: 0,
+                rivals: 0.0,
                 history: Lobes::NONE,
             }
         };

@@ -12,8 +12,8 @@ mod sort;
 
 use glam::Vec3;
 
-pub use bandwidth::{Bandwidth, Radius};
-pub use deposit::Deposit;
+pub use bandwidth::{Bandwidth, Radius, shrunk};
+pub use deposit::{Deposit, Instead};
 pub use gather::Estimate;
 pub use kernel::Kernel;
 pub use map::{Nearest, PhotonMap};
@@ -38,8 +38,10 @@ pub struct Photon {
     pub optical_length: f32,
     /// Flux in W, as if its path were the only one of its pass.
     pub flux: Spectrum,
+    /// What else could have made its path: see [`Rivals::at`](crate::transport::Rivals::at); 0 where nobody asks.
+    pub rivals: f32,
     /// Scattering events before it landed.
-    pub bounce: u32,
+    pub bounce: u16,
     /// Which events these were.
     pub history: Lobes,
 }

@@ -24,7 +24,8 @@ pub use camera::{CameraDescription, FovAxis, Projection};
 pub use color::{Color, Paint};
 pub use film::{FilmDescription, FilterDescription, RenderDescription};
 pub use integrator::{
-    BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings, PhotonMapSettings, Show,
+    AutoSettings, BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings,
+    PhotonMapSettings, Show,
 };
 pub use ior::{Ior, IorFormula};
 pub use light::{EnvironmentMapping, LightDescription};

@@ -20,7 +20,7 @@ pub use description::SceneDescription;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Illumination, Light, LightId};
+use crate::light::{Emission, Far, Illumination, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::{self, Sampler};
@@ -167,6 +167,27 @@ impl SurfacePoint<'_> {
             return 0.0;
         }
         self.bsdf.pdf(self.local_previous, self.frame.to_local(to_next), follow)
+    }
+
+    /// The density per solid angle with which a walk that came from `to_next` (world) would go on to the previous point.
+    #[inline]
+    pub fn pdf_back(&self, to_next: Vec3, follow: Lobes) -> f32 {
+        if !self.keeps_side(to_next) {
+            return 0.0;
+        }
+        self.bsdf.pdf(self.frame.to_local(to_next), self.local_previous, follow)
+    }
+
+    /// Whether the walk goes on with the density cos / π, from wherever it came and whichever way it goes.
+    #[inline]
+    pub fn is_lambertian(&self) -> bool {
+        self.lean == 0.0 && self.bsdf.is_lambertian()
+    }
+
+    /// Cosine between a direction and the normal of the geometry, positive on both sides, never quite 0.
+    #[inline]
+    pub fn geometric_cos(&self, direction: Vec3) -> f32 {
+        self.surface.normal.dot(direction).abs().max(1e-5)
     }
 
     /// Cosine between a direction and the shading normal, positive on both sides.
@@ -325,7 +346,7 @@ impl Scene {
     /// Share of the light that what stands between a surface and a point in free space lets through.
     pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
         let to_light = to - from.position;
-        let nothing = Illumination { to_light, irradiance: Spectrum::ZERO, pdf: None, target: Some(to) };
+        let nothing = Illumination { to_light, irradiance: Spectrum::ZERO, pdf: None, target: Some(to), emission: 0.0 };
         self.visibility(from, &nothing)
     }
 
@@ -346,13 +367,14 @@ impl Scene {
         0.0
     }
 
-    /// A photon of any light, chosen by power.
+    /// A photon of any light, chosen by power, and the number of that light.
     #[inline]
-    pub fn emit(&self, sampler: &mut Sampler) -> Option<Emission> {
+    pub fn emit(&self, sampler: &mut Sampler) -> Option<(LightId, Emission)> {
         let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
         sampler.step(1);
         let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
-        Some(Emission { flux: self.basis.lanes(emission.flux / probability), ..emission })
+        let (flux, density) = (self.basis.lanes(emission.flux / probability), emission.density * probability);
+        Some((light as LightId, Emission { flux, density, ..emission }))
     }
 
     /// Light that arrives at `at` from one of the lights, for next-event estimation.
@@ -363,6 +385,7 @@ impl Scene {
         Some(Illumination {
             irradiance: self.basis.lanes(illumination.irradiance / probability),
             pdf: illumination.pdf.map(|pdf| pdf * probability),
+            emission: illumination.emission * self.lights.emission.probability(light) / probability,
             ..illumination
         })
     }
@@ -388,6 +411,32 @@ impl Scene {
         }
     }
 
+    /// Density with which [`Scene::emit`] leaves the light that a shape is, per area across the ray and per solid angle:
+    /// the same for all rays.
+    pub fn emission_density(&self, shape: u32) -> f32 {
+        match self.area_light(shape) {
+            Some((light, Light::Area(area))) => self.lights.emission.probability(light) * area.emission(&self.surfaces),
+            _ => 0.0,
+        }
+    }
+
+    /// How much denser other techniques are at the point that a photon meets first than the photon is there, per area: a
+    /// path that meets the light by chance, over its density per solid angle; and a shadow ray.
+    pub fn instead_of(&self, light: LightId, emission: &Emission, at: Vec3, cos: f32) -> (f32, f32) {
+        let photon = emission.density * cos;
+        let shadow_ray = self.lights.selection.probability(light as usize);
+        match emission.source {
+            Source::Point => (0.0, shadow_ray * at.distance_squared(emission.ray.origin) / photon),
+            Source::Parallel => (0.0, shadow_ray / photon),
+            Source::Far(pdf) => (1.0 / photon, shadow_ray * pdf / photon),
+            Source::Shape(shape, surface) => {
+                let pdf = self.surfaces.pdf_from(shape, at, &surface).unwrap_or(0.0);
+                (1.0 / photon, shadow_ray * pdf / photon)
+            }
+            Source::Hidden => (0.0, 0.0),
+        }
+    }
+
     #[inline]
     fn area_light(&self, shape: u32) -> Option<(usize, &Light)> {
         let light = self.shapes[shape as usize].light? as usize;
@@ -401,10 +450,13 @@ impl Scene {
     }
 
     /// Radiance that arrives from each light infinitely far away, with the density per solid angle with which
-    /// [`Scene::illuminate`] finds that light in this direction.
-    pub fn backgrounds(&self, toward: Vec3) -> impl Iterator<Item = (Spectrum, f32)> {
+    /// [`Scene::illuminate`] finds that light in this direction, and the density with which [`Scene::emit`] does, per solid
+    /// angle and per area across the ray.
+    pub fn backgrounds(&self, toward: Vec3) -> impl Iterator<Item = (Spectrum, f32, f32)> {
         self.far_lights().map(move |(index, light)| {
-            (self.basis.lanes(light.radiance(toward)), self.lights.selection.probability(index) * light.pdf(toward))
+            let pdf = self.lights.selection.probability(index) * light.pdf(toward);
+            let emission = self.lights.emission.probability(index) * light.emission(toward);
+            (self.basis.lanes(light.radiance(toward)), pdf, emission)
         })
     }
 

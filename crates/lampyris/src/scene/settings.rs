@@ -11,15 +11,15 @@ use toml::de::DeValue;
 
 use super::SceneDescription;
 use super::description::{
-    CameraDescription, FilmDescription, IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings,
-    RenderDescription,
+    AutoSettings, CameraDescription, FilmDescription, IntegratorDescription, LightSettings, PathSettings,
+    PhotonMapSettings, RenderDescription,
 };
 use super::notation;
 use super::schema::{Fields, Form, Node, Schema};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Names that [`SceneDescription::use_integrator`] knows.
-pub const INTEGRATORS: [&str; 3] = ["photon-map", "path", "light"];
+pub const INTEGRATORS: [&str; 4] = ["photon-map", "path", "light", "auto"];
 
 /// The parts of a scene that can be set, in the order in which a bare key is looked for.
 const SECTIONS: [&str; 4] = ["integrator", "film", "camera", "render"];
@@ -51,7 +51,7 @@ impl SceneDescription {
         Ok(())
     }
 
-    /// Changes the integrator to `photon-map`, `path` or `light` with its default settings, but the `max-bounces`
+    /// Changes the integrator to `auto`, `photon-map`, `path` or `light` with its default settings, but the `max-bounces`
     /// that the scene asks for and, where both have them, its `samples`. Keeps everything where the scene names
     /// this integrator already.
     ///
@@ -63,20 +63,18 @@ impl SceneDescription {
         }
         let max_bounces = self.integrator.max_bounces();
         let samples = match &self.integrator {
+            IntegratorDescription::Auto(settings) => settings.samples,
             IntegratorDescription::PhotonMap(settings) => settings.samples,
             IntegratorDescription::Path(settings) => settings.samples,
             IntegratorDescription::Light(_) => PathSettings::default().samples,
         };
         self.integrator = match name {
+            "auto" => IntegratorDescription::Auto(AutoSettings { samples, max_bounces, ..Default::default() }),
             "photon-map" => {
                 IntegratorDescription::PhotonMap(PhotonMapSettings { samples, max_bounces, ..Default::default() })
             }
             "path" => IntegratorDescription::Path(PathSettings { samples, max_bounces }),
             "light" => IntegratorDescription::Light(LightSettings { max_bounces, ..Default::default() }),
-            "auto" => {
-                let error = Error::new("the integrator 'auto' does not exist yet");
-                return Err(error.with_hint("use 'photon-map', which suits most scenes"));
-            }
             other => {
                 let error = Error::new(format!("unknown integrator '{other}'"));
                 return Err(match did_you_mean(other, INTEGRATORS) {
@@ -93,6 +91,7 @@ impl IntegratorDescription {
     /// The name of the integrator, as files write it.
     pub fn name(&self) -> &'static str {
         match self {
+            IntegratorDescription::Auto(_) => "auto",
             IntegratorDescription::PhotonMap(_) => "photon-map",
             IntegratorDescription::Path(_) => "path",
             IntegratorDescription::Light(_) => "light",
@@ -102,6 +101,7 @@ impl IntegratorDescription {
     /// The longest path, counted in scattering events.
     pub fn max_bounces(&self) -> u32 {
         match self {
+            IntegratorDescription::Auto(settings) => settings.max_bounces,
             IntegratorDescription::PhotonMap(settings) => settings.max_bounces,
             IntegratorDescription::Path(settings) => settings.max_bounces,
             IntegratorDescription::Light(settings) => settings.max_bounces,
@@ -424,11 +424,7 @@ mod tests {
     fn unknown_integrators_are_errors_with_a_way_out() {
         let message = |name: &str| scene().use_integrator(name).expect_err("no such integrator").to_string();
         assert_eq!(message("pat"), "unknown integrator 'pat'; did you mean 'path'?");
-        assert_eq!(message("zzz"), "unknown integrator 'zzz'; the integrators are photon-map, path, light");
-        assert_eq!(
-            message("auto"),
-            "the integrator 'auto' does not exist yet; use 'photon-map', which suits most scenes"
-        );
+        assert_eq!(message("zzz"), "unknown integrator 'zzz'; the integrators are photon-map, path, light, auto");
     }
 
     #[test]

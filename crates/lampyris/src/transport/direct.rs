@@ -1,17 +1,18 @@
 //! Direct light by next-event estimation, and the weights that combine it with paths that meet lamps by chance.
 
+use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 
 /// Radiance that the smooth lobes at `point` reflect from one of the lights, chosen at random, back along the path
-/// (theory §4.3). With `combined_with`, it is weighted against finding the same light by following those lobes.
+/// (theory §4.3), times a weight against other ways of finding the same light.
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
-    combined_with: Option<Lobes>,
     sampler: &mut Sampler,
+    weight: impl FnOnce(&Illumination) -> f32,
 ) -> Spectrum {
     if !point.bsdf.lobes().meets(Lobes::SMOOTH) {
         return Spectrum::ZERO;
@@ -27,11 +28,7 @@ pub fn direct_light(
     if visibility <= 0.0 {
         return Spectrum::ZERO;
     }
-    let weight = match (illumination.pdf, combined_with) {
-        (Some(pdf), Some(follow)) => mis_weight(pdf, point.pdf(illumination.to_light, follow)),
-        _ => 1.0,
-    };
-    value * illumination.irradiance * (point.cos(illumination.to_light) * weight * visibility)
+    value * illumination.irradiance * (point.cos(illumination.to_light) * weight(&illumination) * visibility)
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

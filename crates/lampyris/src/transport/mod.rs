@@ -2,10 +2,12 @@
 
 mod direct;
 mod path;
+mod rivals;
 mod roulette;
 mod walk;
 
 pub use direct::{direct_light, mis_weight};
 pub use path::{Origin, PathState};
+pub use rivals::Rivals;
 pub use roulette::survive;
 pub use walk::{End, Limits, Visitor, Walked, walk};

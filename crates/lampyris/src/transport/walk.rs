@@ -1,6 +1,7 @@
 //! The one random walk. Both ends of light call it; what differs is the visitor (theory §4.1).
 
 use super::{Origin, PathState, survive};
+use crate::light::{Emission, LightId};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
@@ -8,6 +9,9 @@ use crate::spectrum::Spectrum;
 
 /// What is done along a path, and where the path may go on.
 pub trait Visitor {
+    /// The path begins with this photon of a light.
+    fn emitted(&mut self, _light: LightId, _emission: &Emission) {}
+
     /// The path has reached a surface. Returns the lobes that the walk may follow from here; [`Lobes::NONE`] ends it.
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes;
 
@@ -16,6 +20,12 @@ pub trait Visitor {
 
     /// The path has left the scene.
     fn escaped(&mut self, _path: &PathState) {}
+
+    /// What the rest of the path is worth to the visitor, 0 to 1: with this probability roulette lets it go on, beside
+    /// that by its throughput. Asked after [`Visitor::scattered`].
+    fn worth(&self) -> f32 {
+        1.0
+    }
 }
 
 /// How long paths may become.
@@ -106,10 +116,13 @@ pub fn walk<V: Visitor>(
             Origin::Light => path.throughput.max(),
         };
         // A hole is no event, but it may absorb.
-        if rays <= limits.roulette_from && level > 0.0 {
-            continue;
-        }
-        match survive(reference, level, sampler) {
+        let worth = if scattered.event == Event::Pass { 1.0 } else { visitor.worth() };
+        let level = match rays <= limits.roulette_from && level > 0.0 {
+            true if worth >= 1.0 => continue,
+            true => reference,
+            false => level,
+        };
+        match survive(reference, level.min(reference) * worth, sampler) {
             Some(boost) => path.throughput *= boost,
             None => return Walked { end: End::Absorbed, path, rays },
         }

@@ -172,6 +172,11 @@ fn make_small(description: &mut SceneDescription) {
     description.film.size = [4, 4];
     description.film.filter = FilterDescription::default();
     match &mut description.integrator {
+        IntegratorDescription::Auto(settings) => {
+            settings.photons = Some(settings.photons.unwrap_or(64).min(64));
+            settings.samples = settings.samples.min(2);
+            settings.max_bounces = settings.max_bounces.min(16);
+        }
         IntegratorDescription::PhotonMap(settings) => {
             settings.photons = settings.photons.min(64);
             settings.samples = settings.samples.min(2);

@@ -14,6 +14,8 @@ pub enum IntegratorDescription {
     Path(PathSettings),
     /// Light tracing: walks from the lamps, each vertex connected to the camera.
     Light(LightSettings),
+    /// Path tracing that merges with photons where they help.
+    Auto(AutoSettings),
 }
 
 impl Default for IntegratorDescription {
@@ -67,6 +69,29 @@ impl Default for PhotonMapSettings {
 }
 
 const DEFAULT_MAX_BOUNCES: u32 = 256;
+
+/// Settings of `auto`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct AutoSettings {
+    /// Light paths a pass; half as many as the picture has pixels by default.
+    pub photons: Option<u32>,
+    /// Camera samples per pixel and pass (default 1).
+    pub samples: u32,
+    /// How far photons are looked for in the first pass, over the width of a pixel on the surface that it shows. By
+    /// default it is chosen so that a typical point finds 20 photons, between 2 and 10.
+    pub radius: Option<f32>,
+    /// How slowly the radius shrinks, 0 to 1 (default 2/3, the optimum on surfaces).
+    pub alpha: f32,
+    /// The longest path, counted in scattering events (default 256).
+    pub max_bounces: u32,
+}
+
+impl Default for AutoSettings {
+    fn default() -> AutoSettings {
+        AutoSettings { photons: None, samples: 1, radius: None, alpha: 2.0 / 3.0, max_bounces: DEFAULT_MAX_BOUNCES }
+    }
+}
 
 /// Settings of `path`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]

@@ -37,6 +37,12 @@ impl Settings {
 
 fn integrator(integrator: &IntegratorDescription) -> Result<()> {
     match integrator {
+        IntegratorDescription::Auto(settings) => {
+            settings.photons.map_or(Ok(()), paths)?;
+            at_least_one("integrator.samples", settings.samples)?;
+            settings.radius.map_or(Ok(()), |radius| positive("integrator.radius", radius))?;
+            between("integrator.alpha", settings.alpha, 0.0, 1.0)
+        }
         IntegratorDescription::PhotonMap(settings) => {
             paths(settings.photons)?;
             at_least_one("integrator.samples", settings.samples)?;

@@ -1,0 +1,202 @@
+//! The visitor of path tracing, which can merge with photons on its way (theory §4.4, §5.4).
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use crate::film::Sink;
+use crate::light::Illumination;
+use crate::material::{Lobes, Scattered};
+use crate::photon::{Estimate, Kernel, Nearest, PhotonMap, Radius};
+use crate::sampler::Sampler;
+use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
+use crate::transport::{PathState, Rivals, Visitor, direct_light, mis_weight};
+
+/// Adds up the light that a path from the camera meets.
+pub(super) struct Look<'a, S> {
+    scene: &'a Scene,
+    max_bounces: u32,
+    sink: &'a mut S,
+    /// Where and with which density the last smooth event chose its direction; none after a delta event.
+    last: Option<(Vec3, f32)>,
+    merge: Option<Merge<'a>>,
+}
+
+/// How paths from the camera are merged with the photons of a pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Merging {
+    /// Light paths of the pass.
+    pub paths: u64,
+    /// How far photons are looked for in the first pass: on the first smooth surface that a path meets, over the width of
+    /// what the path stands for there.
+    pub first: f32,
+    /// And on all further ones, in scene units.
+    pub further: f32,
+    /// What is left of these radii.
+    pub shrunk: f32,
+    /// The probability with which a path goes on after scattering smoothly on the first smooth surface.
+    pub on_from_first: f32,
+    /// And on all further ones.
+    pub on_from_further: f32,
+}
+
+impl Merging {
+    /// How many photons would lie within what has become of this radius, if each light path left one in each square unit:
+    /// the density of merging a path with a photon, over that of the two halves.
+    pub(super) fn density(&self, radius: f32) -> f32 {
+        PI * (self.shrunk * radius).powi(2) * self.paths as f32
+    }
+}
+
+/// Where photons are dense, as in a caustic, the nearest of so many are enough on the first surface, and blur less.
+const NEAREST: usize = 20;
+
+/// A path from the camera that is merged with photons.
+pub(super) struct Merge<'a> {
+    map: &'a PhotonMap,
+    merging: Merging,
+    found: &'a mut Nearest,
+    /// What else could have made the path so far.
+    rivals: Rivals,
+    /// The same without merging at the last smooth point, for lamps that shine on it directly.
+    rivals_of_lamps: Rivals,
+    /// Whether the path has met mirrors and glass alone.
+    first: bool,
+    /// [`Merging::density`] at the last point.
+    here: f32,
+    /// The probability with which the path went on after its last event.
+    went_on: f32,
+}
+
+impl<'a> Merge<'a> {
+    pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Nearest) -> Merge<'a> {
+        let nothing = Rivals::default();
+        Merge { map, merging, found, rivals: nothing, rivals_of_lamps: nothing, first: true, here: 0.0, went_on: 1.0 }
+    }
+
+    /// The probability with which the path goes on after it has scattered smoothly here.
+    fn goes_on(&self) -> f32 {
+        if self.first { self.merging.on_from_first } else { self.merging.on_from_further }
+    }
+
+    /// The path leaves a point. Returns the probability with which it does.
+    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, smooth: bool) -> f32 {
+        let at = self.rivals.at(point);
+        self.went_on = if smooth { self.goes_on() } else { 1.0 };
+        let back = if smooth { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
+        let after = |smooth| Rivals::after(at, smooth, self.went_on, point, scattered);
+        (self.rivals, self.rivals_of_lamps) = (after(back + self.here), after(back));
+        self.first &= !smooth;
+        self.went_on
+    }
+
+    /// Radiance back along the path of the light of photons that have been scattered at most so often.
+    fn radiance(&mut self, point: &SurfacePoint, path: &PathState, max_bounces: u32) -> Spectrum {
+        let most = if self.first { self.merging.first * path.cone.width } else { self.merging.further };
+        // Not by the radius that is found: weights must not depend on the photons that they weigh.
+        self.here = self.merging.density(most);
+        let estimate = Estimate {
+            map: self.map,
+            kernel: Kernel::Epanechnikov,
+            radius: match self.first {
+                true => Radius::Nearest { count: NEAREST, max_radius: most },
+                false => Radius::Fixed(self.merging.shrunk * most),
+            },
+        };
+        let found = estimate.find(point, self.found);
+        let radius = if self.first { self.merging.shrunk * found } else { found };
+        let (at, on, per_photon) = (self.rivals.at(point), self.goes_on(), 1.0 / self.here);
+        if point.is_lambertian() {
+            // The same as below, for the most frequent case.
+            let nearer = 1.0 + at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon);
+            let farther = on * FRAC_1_PI * per_photon;
+            return estimate.weighted(point, radius, max_bounces, self.found, |photon| {
+                1.0 / (nearer + farther * photon.rivals * point.cos(photon.direction))
+            });
+        }
+        estimate.weighted(point, radius, max_bounces, self.found, |photon| {
+            let to_light = -photon.direction;
+            let nearer = at * point.pdf_back(to_light, Lobes::ALL);
+            let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
+            1.0 / (1.0 + (nearer + farther) * per_photon)
+        })
+    }
+}
+
+impl<'a, S> Look<'a, S> {
+    pub(super) fn new(scene: &'a Scene, max_bounces: u32, sink: &'a mut S, merge: Option<Merge<'a>>) -> Look<'a, S> {
+        Look { scene, max_bounces, sink, last: None, merge }
+    }
+
+    /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
+    /// where shadow rays and photons have these.
+    fn met(&self, of_shadow_rays: impl FnOnce(Vec3) -> f32, of_photons: f32) -> f32 {
+        match &self.merge {
+            None => self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, of_shadow_rays(from))),
+            Some(merge) => {
+                let shadow_rays = self.last.map_or(0.0, |(from, pdf)| of_shadow_rays(from) / pdf);
+                1.0 / (1.0 + shadow_rays + merge.rivals_of_lamps.0 * of_photons)
+            }
+        }
+    }
+}
+
+impl<S: Sink> Visitor for Look<'_, S> {
+    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
+        self.sink.surface(point, path);
+        let emitted = self.scene.emitted(point);
+        if !emitted.is_zero() {
+            let of_photons = self.merge.as_ref().map_or(0.0, |_| self.scene.emission_density(point.shape));
+            let weight = self.met(|from| self.scene.emitted_pdf(from, point), of_photons);
+            self.sink.add(path.throughput * emitted * weight, path.bounce);
+        }
+        if path.bounce < self.max_bounces {
+            let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
+            let weight = |illumination: &Illumination| {
+                let to_light = illumination.to_light;
+                let chance = || point.pdf(to_light, Lobes::ALL);
+                match merge {
+                    None => illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, chance())),
+                    Some((at, on)) => {
+                        let photons = at
+                            * point.pdf_back(to_light, Lobes::ALL)
+                            * illumination.emission
+                            * point.geometric_cos(to_light);
+                        1.0 / (1.0 + photons + illumination.pdf.map_or(0.0, |pdf| on * chance() / pdf))
+                    }
+                }
+            };
+            let light = direct_light(self.scene, point, sampler, weight);
+            self.sink.add(path.throughput * light, path.bounce + 1);
+            if let Some(merge) = &mut self.merge
+                && point.bsdf.lobes().meets(Lobes::SMOOTH)
+            {
+                // The event in which the photons are read is one of the path's, too.
+                let light = merge.radiance(point, path, self.max_bounces - path.bounce - 1);
+                self.sink.add(path.throughput * light, path.bounce + 2);
+            }
+        }
+        Lobes::ALL
+    }
+
+    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
+        let smooth = Lobes::SMOOTH.contains(scattered.event);
+        let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
+        self.last = smooth.then_some((point.surface.position, on * scattered.pdf));
+    }
+
+    fn escaped(&mut self, path: &PathState) {
+        // Each light by its own density: a shadow ray to one of them brings the light of that one alone.
+        let lights = self
+            .scene
+            .backgrounds(path.ray.direction)
+            .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
+        let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
+        self.sink.add(path.throughput * radiance, path.bounce);
+    }
+
+    fn worth(&self) -> f32 {
+        self.merge.as_ref().map_or(1.0, |merge| merge.went_on)
+    }
+}
