@@ -4,6 +4,7 @@
 mod values;
 
 use std::num::{NonZeroU32, NonZeroUsize};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use lampyris::film::Layers;
 
-use values::{duration, finite, layers, pair, positive_count, preview, size, threads};
+use values::{duration, finite, layers, pair, pass_range, positive_count, preview, share, size, threads};
 
 /// A photon-mapping renderer: caustics, colour bleeding, and a picture that converges.
 #[derive(Debug, Parser)]
@@ -27,6 +28,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene.
     Render(RenderArguments),
+    /// Add up films of one render with different passes.
+    Merge(MergeArguments),
     /// Write the photon map of a scene as a coloured point cloud.
     Photons(PhotonsArguments),
     /// Tell what is in a scene: shapes, triangles, materials, lights, warnings.
@@ -122,6 +125,26 @@ pub struct RenderArguments {
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
 
+    /// Render until the picture's relative standard error is no more than this, such as 1% or 0.01
+    #[arg(long, value_name = "ERROR", value_parser = share, allow_hyphen_values = true)]
+    pub target_error: Option<f64>,
+
+    /// Render these passes, from A to before B, counted from 0; to be merged with others
+    #[arg(long, value_name = "A..B", value_parser = pass_range, allow_hyphen_values = true, conflicts_with = "passes")]
+    pub pass_range: Option<Range<u32>>,
+
+    /// Keep the film in this file, from time to time, at the end and at Ctrl-C
+    #[arg(long, value_name = "FILE.film")]
+    pub checkpoint: Option<PathBuf>,
+
+    /// How often to write it [default: 60s]
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    pub checkpoint_every: Option<Duration>,
+
+    /// Go on with the film in this file, and keep it there unless --checkpoint names another
+    #[arg(long, value_name = "FILE.film")]
+    pub resume: Option<PathBuf>,
+
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -135,7 +158,8 @@ pub struct RenderArguments {
     #[arg(long)]
     pub snapshots: bool,
 
-    /// Layers of .exr files: all, none, or some of albedo,normal,depth,position,direct,indirect,emission
+    /// Layers of .exr files: all, none, or some of
+    /// albedo,normal,depth,position,direct,indirect,caustic,emission,variance,samples
     /// [default: all]
     #[arg(long, value_name = "NAMES", value_parser = layers)]
     pub layers: Option<Layers>,
@@ -160,6 +184,18 @@ pub enum PreviewTarget {
     Tev(String),
     /// In the terminal.
     Terminal,
+}
+
+/// `lampyris merge`.
+#[derive(Args, Debug)]
+pub struct MergeArguments {
+    /// The films, each with other passes of the same render
+    #[arg(required = true, value_name = "FILE.film")]
+    pub films: Vec<PathBuf>,
+
+    /// Where to write the sum: .film, or a picture: .png .ppm .pfm .hdr .exr or .npy; may be repeated
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    pub outputs: Vec<PathBuf>,
 }
 
 /// `lampyris completions`.
@@ -200,14 +236,14 @@ pub struct PhotonsArguments {
 /// `lampyris tonemap`.
 #[derive(Args, Debug)]
 pub struct TonemapArguments {
-    /// The picture, in any format that `render` writes
+    /// The picture, in any format that `render` writes, or a film
     pub input: PathBuf,
 
     /// Where to write the result
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 
-    /// Take this layer of an .exr file, such as albedo, instead of the picture
+    /// Take this layer of an .exr file or a film, such as albedo, instead of the picture
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
 

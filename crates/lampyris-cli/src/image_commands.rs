@@ -1,11 +1,14 @@
 //! `lampyris tonemap` and `lampyris compare`.
 
+use std::path::Path;
+
 use lampyris::compare::{compare as measure, difference_image};
 use lampyris::error::{Error, Result};
 use lampyris::output::{check_path, read_image, read_layer, write_image};
 use lampyris::tonemap::ToneMap;
 
 use crate::args::{CompareArguments, TonemapArguments};
+use crate::films::{self, is_film};
 use crate::report::print;
 
 /// Brings a picture into the range of a display.
@@ -16,6 +19,7 @@ pub fn tonemap(arguments: &TonemapArguments) -> Result<()> {
     let operator = operator(arguments)?;
     check_path(&arguments.output)?;
     let image = match &arguments.layer {
+        layer if is_film(&arguments.input) => films::read_image(&arguments.input, layer.as_deref())?,
         Some(layer) => read_layer(&arguments.input, layer)?,
         None => read_image(&arguments.input)?,
     };
@@ -60,7 +64,8 @@ pub fn compare(arguments: &CompareArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
         check_path(output)?;
     }
-    let (image, reference) = (read_image(&arguments.image)?, read_image(&arguments.reference)?);
+    let read = |path: &Path| if is_film(path) { films::read_image(path, None) } else { read_image(path) };
+    let (image, reference) = (read(&arguments.image)?, read(&arguments.reference)?);
     let found = measure(&image, &reference)?;
     if let Some(output) = &arguments.output {
         write_image(output, &difference_image(&image, &reference)?)?;

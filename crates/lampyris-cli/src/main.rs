@@ -5,6 +5,7 @@
 mod args;
 mod budget;
 mod convert;
+mod films;
 mod format;
 mod generate;
 mod image_commands;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Render(arguments) => render::run(arguments),
+        Command::Merge(arguments) => films::merge(arguments),
         Command::Photons(arguments) => photons::run(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Check(arguments) => info::check(arguments),

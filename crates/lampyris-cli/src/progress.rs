@@ -189,7 +189,7 @@ impl<'m> Progress<'m> {
         let is_shown = match self.display {
             Display::Quiet => false,
             // The last one is told with the end of the render.
-            _ if self.budget.is_spent(state.passes, self.meter.rendering()) => false,
+            _ if self.budget.is_spent(film, self.meter.rendering()) => false,
             Display::Lines => is_due || state.passes.is_power_of_two(),
             Display::Bar(_) => is_due,
         };
@@ -221,30 +221,30 @@ impl<'m> Progress<'m> {
 
     fn show(&self, state: &mut State, is_under_way: bool) {
         state.shown = Instant::now();
-        let (where_we_are, speed) = (self.where_we_are(state.passes, is_under_way), self.speed(state.error));
+        let (where_we_are, speed) = (self.where_we_are(state, is_under_way), self.speed(state.error));
         match &self.display {
             Display::Quiet => {}
             Display::Lines => say(&format!("{where_we_are}; {speed}")),
             Display::Bar(bar) => {
-                bar.set_position((STEPS as f64 * self.budget.share(state.passes, self.meter.rendering())) as u64);
+                bar.set_position(
+                    (STEPS as f64 * self.budget.share(state.passes, self.meter.rendering(), state.error)) as u64,
+                );
                 bar.set_prefix(where_we_are);
                 bar.set_message(speed);
             }
         }
     }
 
-    fn where_we_are(&self, passes: u32, is_under_way: bool) -> String {
+    fn where_we_are(&self, state: &State, is_under_way: bool) -> String {
         let (reading, elapsed) = (self.meter.read(), self.meter.rendering());
-        let of = match self.budget {
-            Budget::Passes(most) => format!(" of {most}"),
-            Budget::Time(_) => String::new(),
-        };
+        let passes = state.passes;
+        let of = self.budget.passes.map_or_else(String::new, |most| format!(" of {most}"));
         let pass = match (is_under_way, reading.stage) {
             (false, _) => format!("pass {passes}{of}"),
             (true, Stage::Map) => format!("pass {}{of} (map)", passes + 1),
             (true, stage) => format!("pass {}{of} ({} {})", passes + 1, stage.name(), percent(reading.share)),
         };
-        let left = self.budget.time_left(passes, elapsed);
+        let left = self.budget.time_left(passes, elapsed, state.error);
         let left = left.map_or_else(String::new, |left| format!(", about {} left", time(left)));
         format!("{pass}, {}{left}", time(elapsed))
     }

@@ -2,27 +2,29 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use lampyris::error::{Error, Result};
-use lampyris::film::{Layer, Layers};
-use lampyris::image::Image;
+use lampyris::checkpoint::{Checkpoint, Identity};
+use lampyris::error::{Error, Result, Warning};
+use lampyris::film::{Layers, PassSet};
 use lampyris::import::Imported;
 use lampyris::integrator::Silent;
-use lampyris::output::{Fact, Format, Picture, check_path, check_writable, write_picture};
+use lampyris::output::{Fact, Format, check_path, check_writable};
 use lampyris::render::Render;
 use lampyris::scene::Scene;
 
 use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
-use crate::format::{plural, time};
+use crate::films::{self, Keeper};
+use crate::format::{percent, plural, time};
 use crate::interrupt::Interrupt;
 use crate::meter::{Meter, Stage};
 use crate::preview::Preview;
 use crate::progress::{Display, Loading, Progress};
 use crate::report::Failure;
-use crate::scene::{change, heed, read, ready, warnings};
+use crate::scene::{change, heed, read, ready, ready_identified, warnings};
 use crate::snapshots::Snapshots;
-use crate::stats::Stats;
+use crate::stats::{Done, ErrorCurve, Stats};
 
 /// Renders a scene and writes the picture.
 ///
@@ -32,7 +34,8 @@ use crate::stats::Stats;
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let meter = Meter::start();
     let outputs = outputs(arguments)?;
-    let layers = layers(arguments, &outputs)?;
+    let begun = arguments.resume.as_deref().map(films::read).transpose()?;
+    let layers = layers(arguments, &outputs, begun.as_ref())?;
     let snapshots = Snapshots::new(outputs.first().map(PathBuf::as_path).filter(|_| arguments.snapshots))?;
     let mut imported = read(&arguments.scene)?;
     apply(arguments, &mut imported)?;
@@ -40,17 +43,42 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let has_picture = arguments.preview.contains(&PreviewTarget::Terminal);
     let display = Display::new(arguments.work.quiet, has_picture);
     let loading = Loading::new(&meter, &arguments.scene.scene, display.clone());
-    let built = pool.install(|| ready(&arguments.scene, &imported, &arguments.changes.settings, &loading));
+    let (scene, set) = (&arguments.scene, &arguments.changes.settings);
+    let built = pool.install(|| match kept_in(arguments) {
+        Some(_) => ready_identified(scene, &imported, set, &loading).map(|(built, identity)| (built, Some(identity))),
+        None => ready(scene, &imported, set, &loading).map(|built| (built, None)),
+    });
     display.clear();
-    let built = built?;
+    let (built, identity) = built?;
+    if let (Some(path), Some(begun), Some(identity)) = (&arguments.resume, &begun, &identity) {
+        belongs(path, begun, identity)?;
+    }
     let warnings = warnings(&arguments.scene, &imported, &built);
     heed(&warnings, arguments.scene.strict, arguments.work.quiet)?;
+    if let Some(path) = arguments.checkpoint.as_deref().filter(|path| begun.is_none() && path.is_file()) {
+        let warning = Warning::new(format!("'{}' will be written over", path.display()));
+        display.warn(&warning.with_hint("to go on with the film in it, use --resume"));
+    }
+    let keeper = kept_in(arguments).zip(identity);
+    let keeper = keeper.map(|(file, identity)| Keeper::new(file, identity, arguments.checkpoint_every));
     let job = Job { arguments, imported: &imported, scene: &built.scene, outputs: &outputs, layers, meter: &meter };
-    let stats = pool.install(|| job.run(display, &warnings, snapshots))?;
+    let stats = pool.install(|| job.run(display, &warnings, snapshots, begun, keeper))?;
     if let Some(path) = &arguments.stats {
         stats.write(path)?;
     }
     Ok(())
+}
+
+/// The file that keeps the film.
+fn kept_in(arguments: &RenderArguments) -> Option<&Path> {
+    arguments.checkpoint.as_deref().or(arguments.resume.as_deref())
+}
+
+/// Checks that a film is one of this scene with these settings.
+fn belongs(path: &Path, begun: &Checkpoint, identity: &Identity) -> Result<()> {
+    let Some(difference) = identity.difference(begun.identity()) else { return Ok(()) };
+    let error = Error::new(format!("cannot resume '{}': it is {difference}", path.display()));
+    Err(error.with_hint("a film goes on with the scene, settings, seed and version that it was begun with"))
 }
 
 /// Where the picture goes: all places are checked.
@@ -67,14 +95,33 @@ fn outputs(arguments: &RenderArguments) -> Result<Vec<PathBuf>> {
             return Err(Error::new(message).with_hint("give --stats another file, such as stats.json"));
         }
     }
+    if let Some(film) = kept_in(arguments) {
+        check_writable(film)?;
+        if outputs.iter().chain(&arguments.stats).any(|path| path == film) {
+            let message = format!("'{}' cannot hold both the film and something else", film.display());
+            return Err(Error::new(message).with_hint("give --checkpoint another file, such as render.film"));
+        }
+    } else if arguments.checkpoint_every.is_some() {
+        return Err(Error::new("--checkpoint-every needs a film to write").with_hint("add --checkpoint FILE"));
+    }
     Ok(outputs)
 }
 
-/// The layers to compute: those that the user asks for, or all of them if a file can hold them.
-fn layers(arguments: &RenderArguments, outputs: &[PathBuf]) -> Result<Layers> {
+/// The layers to compute: those of the film that is gone on with, those that the user asks for, or all of them if a picture
+/// can hold them.
+fn layers(arguments: &RenderArguments, outputs: &[PathBuf], begun: Option<&Checkpoint>) -> Result<Layers> {
     let is_exr = |path: &PathBuf| Format::of(path).is_ok_and(|format| format == Format::Exr);
+    if let (Some(begun), Some(path)) = (begun, &arguments.resume) {
+        return match arguments.layers {
+            Some(layers) if layers != begun.film().layers() => {
+                Err(Error::new(format!("cannot resume '{}': it has other layers", path.display()))
+                    .with_hint("leave --layers out, or begin anew"))
+            }
+            _ => Ok(begun.film().layers()),
+        };
+    }
     match (arguments.layers, outputs.iter().any(is_exr)) {
-        (Some(layers), false) if !layers.is_empty() => {
+        (Some(layers), false) if !layers.is_empty() && arguments.checkpoint.is_none() => {
             Err(Error::new("only .exr files hold layers, and none is to be written")
                 .with_hint("add -o FILE.exr, or leave --layers out"))
         }
@@ -112,29 +159,49 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn run(&self, display: Display, warnings: &[Error], mut snapshots: Snapshots) -> Result<Stats, Failure> {
+    fn run(
+        &self,
+        display: Display,
+        warnings: &[Error],
+        mut snapshots: Snapshots,
+        begun: Option<Checkpoint>,
+        mut keeper: Option<Keeper>,
+    ) -> Result<Stats, Failure> {
         let description = &self.imported.description;
-        let budget = Budget::of(self.arguments, description);
+        let none = PassSet::new();
+        let (budget, wanted) =
+            Budget::of(self.arguments, description, begun.as_ref().map_or(&none, Checkpoint::passes));
         let interrupt = Interrupt::listen({
             let display = display.clone();
             move || display.say("stopping after this pass; Ctrl-C again quits at once")
         })?;
-        display.say(&self.headline(budget));
+        display.say(&self.headline(budget, begun.as_ref()));
         let name = self.outputs.first().map_or_else(String::new, |path| path.display().to_string());
         let preview = Preview::start(&self.arguments.preview, &name, description.film.size, &display);
         let mut progress = Progress::new(self.meter, budget, display, preview);
 
         self.meter.enter(Stage::Pilot);
-        let mut render = Render::with_layers(self.scene, description, self.layers, &Silent);
-        loop {
-            render.step(&progress);
+        let mut render = match begun {
+            Some(begun) => Render::resume(self.scene, description, begun)?,
+            None => Render::with_layers(self.scene, description, self.layers, &Silent),
+        };
+        let (mut errors, before) = (ErrorCurve::default(), render.film().passes());
+        // A film that is good enough already stays as it is; time is for this run alone.
+        let is_done = before > 0 && budget.is_spent(render.film(), Duration::ZERO);
+        while !is_done && render.step_in(&wanted, &progress) {
             progress.passed(render.film());
+            errors.passed(render.film());
             if snapshots.is_due(render.film().passes()) {
                 self.meter.enter(Stage::Write);
                 snapshots.write(render.film()).unwrap_or_else(|warning| progress.warn(&warning));
             }
-            if interrupt.is_raised() || budget.is_spent(render.film().passes(), self.meter.rendering()) {
+            if interrupt.is_raised() || budget.is_spent(render.film(), self.meter.rendering()) {
                 break;
+            }
+            if let Some(keeper) = keeper.as_mut().filter(|keeper| keeper.is_due()) {
+                self.meter.enter(Stage::Write);
+                let go_on = |error: Error| progress.warn(&error.with_hint("the render goes on and will try again"));
+                keeper.write(&render).unwrap_or_else(go_on);
             }
         }
 
@@ -143,24 +210,19 @@ impl Job<'_> {
         progress.finish();
         let passes = plural(render.film().passes() as usize, "pass");
         progress.say(&format!("{passes} in {}; {}", time(seconds), progress.speed(error)));
-        self.write(&render)?;
+        // What cannot be written keeps nothing else from it.
+        let kept = keeper.map_or(Ok(()), |mut keeper| keeper.write(&render));
+        let outputs: Vec<&Path> = self.outputs.iter().map(PathBuf::as_path).collect();
+        films::write_pictures(render.film(), &self.facts(&render), &outputs)?;
+        kept?;
         let count = plural(snapshots.written().len(), "snapshot");
         let snapshots_too = if snapshots.written().is_empty() { String::new() } else { format!(" and {count}") };
-        progress.say(&format!("wrote {}{snapshots_too}", names(self.outputs)));
-        let snapshots = snapshots.written();
-        Ok(Stats::of(self.arguments, description, &render, self.meter, warnings, snapshots, interrupt.is_raised()))
-    }
-
-    /// Writes the picture to all of its places.
-    fn write(&self, render: &Render<'_>) -> Result<(), Failure> {
-        let film = render.film();
-        let image = film.image();
-        let layers: Vec<(Layer, Image)> =
-            self.layers.iter().filter_map(|layer| Some((layer, film.layer(layer)?))).collect();
-        let facts = self.facts(render);
-        let picture = Picture { image: &image, layers: &layers, facts: &facts };
-        // One that cannot be written does not keep the others from it.
-        Failure::if_any(self.outputs.iter().filter_map(|path| write_picture(path, &picture).err()).collect())
+        let mut written = outputs;
+        written.extend(kept_in(self.arguments));
+        progress.say(&format!("wrote {}{snapshots_too}", names(&written)));
+        let (snapshots, interrupted) = (snapshots.written(), interrupt.is_raised());
+        let done = Done { render: &render, errors, begun: before, snapshots, interrupted };
+        Ok(Stats::of(self.arguments, description, done, self.meter, warnings))
     }
 
     /// Where the picture comes from, for those who find it later.
@@ -177,24 +239,28 @@ impl Job<'_> {
         ]
     }
 
-    fn headline(&self, budget: Budget) -> String {
+    fn headline(&self, budget: Budget, begun: Option<&Checkpoint>) -> String {
         let description = &self.imported.description;
         let [width, height] = description.film.size;
-        let budget = match budget {
-            Budget::Passes(passes) => plural(passes as usize, "pass"),
-            Budget::Time(most) => time(most),
-        };
+        let until = [
+            budget.passes.map(|passes| plural(passes as usize, "pass")),
+            budget.time.map(time),
+            budget.error.map(|error| format!("error {}", percent(error))),
+        ];
+        let until: Vec<String> = until.into_iter().flatten().collect();
+        let begun = begun.map_or_else(String::new, |begun| format!(", going on from passes {}", begun.passes()));
         format!(
-            "rendering {}: {width} × {height} pixels, {}, {budget}, {}",
+            "rendering {}: {width} × {height} pixels, {}, {}, {}{begun}",
             self.arguments.scene.scene.display(),
             description.integrator.name(),
+            until.join(" or "),
             plural(rayon::current_num_threads(), "thread"),
         )
     }
 }
 
-fn names(paths: &[PathBuf]) -> String {
-    let names: Vec<String> = paths.iter().map(|path: &PathBuf| Path::display(path).to_string()).collect();
+fn names(paths: &[&Path]) -> String {
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     names.join(", ")
 }
 

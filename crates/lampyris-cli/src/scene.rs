@@ -1,10 +1,11 @@
 //! From a scene's arguments to a scene.
 
+use lampyris::checkpoint::Identity;
 use lampyris::error::{Error, Result, Warning};
 use lampyris::import::load::{LoadOptions, load};
 use lampyris::import::{Files, Imported};
 use lampyris::observer::Observer;
-use lampyris::scene::{Built, build_observed};
+use lampyris::scene::{Assets, Built, NotedAssets, build_observed};
 
 use crate::args::{ChangeArguments, SceneArguments};
 use crate::report::{Failure, warn};
@@ -46,8 +47,38 @@ pub fn ready(
     set: &[(String, String)],
     observer: &dyn Observer,
 ) -> Result<Built> {
-    let files = Files::beside(&arguments.scene).with_embedded(imported.embedded.clone()).observed(observer);
-    build_observed(&imported.description, &files, observer).map_err(|error| {
+    ready_with(arguments, imported, set, observer, &files(arguments, imported, observer))
+}
+
+/// [`ready`], and by what the scene with its settings is known again.
+///
+/// # Errors
+/// As [`ready`].
+pub fn ready_identified(
+    arguments: &SceneArguments,
+    imported: &Imported,
+    set: &[(String, String)],
+    observer: &dyn Observer,
+) -> Result<(Built, Identity)> {
+    let files = files(arguments, imported, observer);
+    let noted = NotedAssets::new(&files);
+    let built = ready_with(arguments, imported, set, observer, &noted)?;
+    let identity = Identity::new(noted.fingerprint(&imported.description), &imported.description);
+    Ok((built, identity))
+}
+
+fn files<'o>(arguments: &SceneArguments, imported: &Imported, observer: &'o dyn Observer) -> Files<'o> {
+    Files::beside(&arguments.scene).with_embedded(imported.embedded.clone()).observed(observer)
+}
+
+fn ready_with(
+    arguments: &SceneArguments,
+    imported: &Imported,
+    set: &[(String, String)],
+    observer: &dyn Observer,
+    assets: &dyn Assets,
+) -> Result<Built> {
+    build_observed(&imported.description, assets, observer).map_err(|error| {
         match error.key.as_deref().and_then(|key| set.iter().find(|(name, _)| names(name, key))) {
             // The line in the file is not to blame for what the command line put in its place.
             Some((name, value)) => Error::new(format!("--set {name}={value}: {}", error.message)),

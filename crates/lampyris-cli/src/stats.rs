@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lampyris::error::{Error, Result};
+use lampyris::film::Film;
 use lampyris::output::write_whole;
 use lampyris::render::Render;
 use lampyris::scene::SceneDescription;
@@ -28,6 +29,8 @@ pub struct Stats {
     threads: usize,
     size: [u32; 2],
     passes: u32,
+    /// Which they are, such as `0..8`.
+    pass_ranges: String,
     /// Whether Ctrl-C ended it.
     interrupted: bool,
     seconds: Seconds,
@@ -43,6 +46,8 @@ pub struct Stats {
     flux: Flux,
     /// Standard error of the picture's luminance relative to its mean; null after one pass. It does not know of bias.
     relative_error: Option<f64>,
+    /// The same after 2, 4, 8 ... passes.
+    errors: ErrorCurve,
     /// Null where the system does not say.
     peak_memory_bytes: Option<u64>,
     /// Pictures written on the way.
@@ -60,6 +65,37 @@ enum Settings {
     Light(LightSettings),
 }
 
+/// How the error falls.
+#[derive(Debug, Default, Serialize)]
+pub struct ErrorCurve(Vec<ErrorAt>);
+
+#[derive(Debug, Serialize)]
+struct ErrorAt {
+    passes: u32,
+    relative_error: f64,
+}
+
+impl ErrorCurve {
+    /// A pass is done.
+    pub fn passed(&mut self, film: &Film) {
+        let passes = film.passes();
+        let error = if passes.is_power_of_two() { film.relative_error() } else { None };
+        self.0.extend(error.map(|relative_error| ErrorAt { passes, relative_error }));
+    }
+}
+
+/// What is left of a render at its end.
+pub struct Done<'a> {
+    pub render: &'a Render<'a>,
+    pub errors: ErrorCurve,
+    /// Passes that were there before.
+    pub begun: u32,
+    /// Pictures written on the way.
+    pub snapshots: &'a [PathBuf],
+    /// Whether Ctrl-C ended it.
+    pub interrupted: bool,
+}
+
 /// Flux of the walks from the lamps.
 #[derive(Debug, Serialize)]
 struct Flux {
@@ -74,12 +110,11 @@ impl Stats {
     pub fn of(
         arguments: &RenderArguments,
         description: &SceneDescription,
-        render: &Render<'_>,
+        done: Done<'_>,
         meter: &Meter,
         warnings: &[Error],
-        snapshots: &[PathBuf],
-        interrupted: bool,
     ) -> Stats {
+        let Done { render, errors, begun, snapshots, interrupted } = done;
         let (reading, passes) = (meter.read(), render.film().passes());
         let work = reading.work;
         let has_flux = work.flux_emitted > 0.0;
@@ -98,6 +133,7 @@ impl Stats {
             threads: rayon::current_num_threads(),
             size: description.film.size,
             passes,
+            pass_ranges: render.passes().to_string(),
             interrupted,
             seconds: reading.seconds,
             rays: work.rays,
@@ -107,10 +143,11 @@ impl Stats {
             photons: work.photons,
             photons_per_second: reading.per_second(work.photons),
             flux: Flux {
-                emitted: has_flux.then(|| work.flux_emitted / f64::from(passes.max(1))),
+                emitted: has_flux.then(|| work.flux_emitted / f64::from((passes - begun).max(1))),
                 cut_share: has_flux.then(|| work.flux_cut / work.flux_emitted),
             },
             relative_error: render.film().relative_error(),
+            errors,
             peak_memory_bytes: peak_memory(),
             snapshots: snapshots.iter().map(|path| path.display().to_string()).collect(),
             warnings: warnings.iter().map(ToString::to_string).collect(),

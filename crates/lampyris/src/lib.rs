@@ -12,6 +12,7 @@
 //! An [`integrator`] is no more than the first rays of its walks and a visitor of them.
 
 pub mod camera;
+pub mod checkpoint;
 pub mod compare;
 pub mod error;
 pub mod film;

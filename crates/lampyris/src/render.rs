@@ -1,7 +1,11 @@
-//! A render: passes, one after the other, into a film.
+//! A render: passes into a film, one after the other, by anyone.
 
-use crate::film::{Film, Layers};
-use crate::integrator::{Integrator, Observer, Pass, integrator};
+use std::ops::Range;
+
+use crate::checkpoint::{self, Checkpoint, Identity};
+use crate::error::{Error, Result};
+use crate::film::{Film, Layers, PassSet};
+use crate::integrator::{Integrator, Observer, Pass, integrator, resumed};
 use crate::scene::description::{FilmDescription, IntegratorDescription};
 use crate::scene::{Scene, SceneDescription};
 
@@ -12,6 +16,7 @@ pub struct Render<'s> {
     integrator: Box<dyn Integrator>,
     seed: u64,
     film: Film,
+    passes: PassSet,
 }
 
 impl<'s> Render<'s> {
@@ -30,20 +35,57 @@ impl<'s> Render<'s> {
     ) -> Render<'s> {
         let (settings, seed) = (description.film.clone(), description.render.seed);
         let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
-        Render { scene, film: Film::with_layers(settings.size, layers), settings, integrator, seed }
+        let film = Film::with_layers(settings.size, layers);
+        Render { scene, film, settings, integrator, seed, passes: PassSet::new() }
     }
 
-    /// Renders the next pass, on the current `rayon` pool.
+    /// Goes on from a checkpoint of the same scene and description: whoever calls this has
+    /// [compared](Identity::difference) their identities.
+    ///
+    /// # Errors
+    /// If the checkpoint's pilot is not one of this integrator, or its film has another size.
+    pub fn resume(scene: &'s Scene, description: &SceneDescription, checkpoint: Checkpoint) -> Result<Render<'s>> {
+        let (settings, seed) = (description.film.clone(), description.render.seed);
+        let integrator = resumed(&description.integrator, checkpoint.pilot())?;
+        let (film, passes) = checkpoint.into_film();
+        if film.size() != settings.size.map(|side| side as usize) {
+            return Err(Error::new("the film has another size than it should"));
+        }
+        Ok(Render { scene, film, settings, integrator, seed, passes })
+    }
+
+    /// All that it takes to go on later, or elsewhere: the bytes of a [`Checkpoint`]. `identity` is that of the scene and
+    /// description.
+    pub fn checkpoint(&self, identity: &Identity) -> Vec<u8> {
+        checkpoint::encode(identity, &self.integrator.pilot(), &self.passes, &self.film)
+    }
+
+    /// Renders the first pass that is not there yet, on the current `rayon` pool.
     pub fn step(&mut self, observer: &dyn Observer) {
-        let pass = Pass { index: self.film.passes(), seed: self.seed };
+        self.step_in(&(0..u32::MAX), observer);
+    }
+
+    /// Renders the first of these passes that is not there yet, on the current `rayon` pool. Returns whether there was one,
+    /// and room for it in the film.
+    pub fn step_in(&mut self, wanted: &Range<u32>, observer: &dyn Observer) -> bool {
+        let missing = self.passes.first_missing(wanted).filter(|_| self.film.passes() < Film::MOST_PASSES);
+        let Some(index) = missing else { return false };
+        let pass = Pass { index, seed: self.seed };
         let layers = self.film.layers();
         let scene = self.scene.of_pass(pass.seed, pass.index);
         self.film.add_pass(&self.integrator.expose(&scene, &self.settings, &pass, layers, observer));
+        self.passes.insert(index);
+        true
     }
 
     /// What was rendered so far.
     pub fn film(&self) -> &Film {
         &self.film
+    }
+
+    /// The passes that were.
+    pub fn passes(&self) -> &PassSet {
+        &self.passes
     }
 
     /// The integrator.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The floor of each module, as ARCHITECTURE.md has them.
-const FLOORS: [(&str, u32); 22] = [
+const FLOORS: [(&str, u32); 23] = [
     ("math", 0),
     ("error", 0),
     ("image", 0),
@@ -23,6 +23,7 @@ const FLOORS: [(&str, u32); 22] = [
     ("film", 6),
     ("integrator", 7),
     ("render", 8),
+    ("checkpoint", 8),
     ("import", 8),
     ("output", 8),
     ("tonemap", 8),
@@ -31,7 +32,8 @@ const FLOORS: [(&str, u32); 22] = [
 ];
 
 /// Uses on one floor, each with its reason.
-const SIDEWAYS: [(&str, &str, &str); 6] = [
+const SIDEWAYS: [(&str, &str, &str); 7] = [
+    ("render", "checkpoint", "a render can be kept and gone on with"),
     ("output", "import", "a scene is written with the files that lay inside its source"),
     ("light", "texture", "a projector throws a texture, and the radiance of a lamp can be one"),
     ("material", "texture", "a material looks its textures up"),

@@ -2,6 +2,7 @@
 //! the text.
 
 use std::num::{NonZeroU32, NonZeroUsize};
+use std::ops::Range;
 use std::time::Duration;
 
 use lampyris::film::Layers;
@@ -62,6 +63,29 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
         Ok(duration) if !duration.is_zero() => Ok(duration),
         _ if number > 0.0 && number * seconds > 1.0 => Err("that is longer than anyone can wait".into()),
         _ => Err("a time must be greater than 0".into()),
+    }
+}
+
+/// A share greater than 0, such as `1%` or `0.01`.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(percents) => (percents, 0.01),
+        None => (text, 1.0),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number * unit),
+        _ => Err("it must be a number greater than 0, such as 1% or 0.01".into()),
+    }
+}
+
+/// `A..B`, two whole numbers.
+pub(super) fn pass_range(text: &str) -> Result<Range<u32>, String> {
+    let form = || format!("passes are two whole numbers up to {} with two dots between them, such as 0..100", u32::MAX);
+    let (start, end) = text.split_once("..").ok_or_else(form)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| form());
+    match number(start)?..number(end)? {
+        range if range.is_empty() => Err("the first pass must come before the last".into()),
+        range => Ok(range),
     }
 }
 

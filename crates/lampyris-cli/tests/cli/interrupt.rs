@@ -64,6 +64,22 @@ fn the_first_keeps_the_picture() {
 }
 
 #[test]
+fn the_film_is_kept_too() {
+    let folder = Folder::with_scene(SCENE);
+    let mut running = Running::start(&folder, "render scene.toml -o a.npy --passes 4000000000 --checkpoint a.film");
+    running.wait_for("pass 1 of");
+    running.press_ctrl_c();
+    assert_eq!(running.end(), Some(0));
+    let (told, _) = folder.run("merge a.film -o b.npy");
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"));
+    let passes: u32 = told.split(' ').next().and_then(|count| count.parse().ok()).expect("a number");
+    let more = passes + 3;
+    folder.run(&format!("render scene.toml -q -o a.npy --resume a.film --passes {more}"));
+    folder.run(&format!("render scene.toml -q -o b.npy --passes {more}"));
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"));
+}
+
+#[test]
 fn the_second_quits_at_once() {
     let folder = Folder::with_scene(SCENE);
     let endless = "render scene.toml -o a.png --integrator path --passes 1 --set samples=4000000000";

@@ -26,7 +26,7 @@ fn without_an_output_the_picture_has_the_scenes_name() {
 #[test]
 fn the_picture_is_the_same_for_any_number_of_threads() {
     let folder = Folder::with_scene(SCENE);
-    for integrator in ["photon-map", "path", "light"] {
+    for integrator in ["auto", "photon-map", "path", "light"] {
         let render = |threads: u32| {
             folder.run(&format!("render scene.toml -q --integrator {integrator} --threads {threads} -o {threads}.npy"));
             folder.read(&format!("{threads}.npy"))
@@ -209,7 +209,9 @@ fn layers_are_in_exr_files_unless_unwanted() {
     folder.run("render scene.toml -q -o a.exr");
     folder.run("render scene.toml -q -o b.exr --layers none");
     folder.run("render scene.toml -q -o c.exr --layers depth,normal");
-    for name in ["albedo", "normal", "depth", "position", "direct", "indirect", "emission"] {
+    for name in
+        ["albedo", "normal", "depth", "position", "direct", "indirect", "caustic", "emission", "variance", "samples"]
+    {
         let is_asked = matches!(name, "depth" | "normal");
         let codes = ["a.exr", "b.exr", "c.exr"].map(|file| layer(file, name));
         assert_eq!(codes, [Some(0), Some(2), Some(if is_asked { 0 } else { 2 })], "{name}");

@@ -3,11 +3,14 @@
 //! Direct light is path traced; all other light can also come from photons that lie near a point of the camera's path,
 //! and the balance heuristic weighs all ways by their densities. Where photons are dense, few paths go on from there.
 
+use serde::{Deserialize, Serialize};
+
 use super::blocks::camera_pass;
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
 use super::{Integrator, Observer, Pass, Phase, pilot};
+use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
 use crate::photon::{Instead, Nearest, PhotonMap, Radius, shrunk};
@@ -19,14 +22,14 @@ use crate::transport::{Limits, Origin, walk};
 #[derive(Clone, Debug)]
 pub struct Auto {
     settings: AutoSettings,
-    /// Light paths a pass.
-    paths: u64,
-    start: Start,
+    pilot: Pilot,
 }
 
 /// What the pilot finds: about the first pass.
-#[derive(Clone, Copy, Debug)]
-struct Start {
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Pilot {
+    /// Light paths a pass.
+    paths: u64,
     /// The radius on the first smooth surface that the camera sees, over the width of what a pixel sees there.
     first: f32,
     /// The radius on all further surfaces, in scene units.
@@ -57,13 +60,21 @@ impl Auto {
         let pixels = film.size[0] as f32 * film.size[1] as f32;
         let by_pixels = (PATHS_PER_PIXEL * pixels).clamp(PATHS[0], PATHS[1]) as u64;
         let paths = settings.photons.map_or(by_pixels, u64::from);
-        let start = Start::measure(scene, film, &settings, paths, seed, observer);
-        Auto { settings, paths, start }
+        let pilot = Pilot::measure(scene, film, &settings, paths, seed, observer);
+        Auto { settings, pilot }
+    }
+
+    /// With what a pilot has found out before.
+    ///
+    /// # Errors
+    /// If it is no such thing.
+    pub fn resumed(settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
+        Ok(Auto { settings, pilot: pilot::read(pilot)? })
     }
 
     /// How paths merge with the photons of a pass.
     fn merging(&self, pass: &Pass) -> Merging {
-        self.start.merging(self.paths, shrunk::<2>(pass.index, self.settings.alpha))
+        self.pilot.merging(shrunk::<2>(pass.index, self.settings.alpha))
     }
 
     fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
@@ -80,7 +91,7 @@ impl Auto {
     }
 }
 
-impl Start {
+impl Pilot {
     fn measure(
         scene: &Scene,
         film: &FilmDescription,
@@ -88,10 +99,10 @@ impl Start {
         paths: u64,
         seed: u64,
         observer: &dyn Observer,
-    ) -> Start {
-        let guess = Start { first: 1.0, further: pilot::fallback(scene), counts: [0.0; 2] };
+    ) -> Pilot {
+        let guess = Pilot { paths, first: 1.0, further: pilot::fallback(scene), counts: [0.0; 2] };
         let pass = Pass { index: pilot::PASS, seed };
-        let map = photon_map(scene, &guess.merging(paths, 1.0), settings.max_bounces, &pass, observer);
+        let map = photon_map(scene, &guess.merging(1.0), settings.max_bounces, &pass, observer);
         observer.phase(Phase::Pilot);
         let (mut found, mut widths, mut radii) = (Nearest::default(), Vec::new(), Vec::new());
         pilot::gather_points(scene, film, settings.max_bounces, seed, |point, path, smooth_events| {
@@ -105,7 +116,8 @@ impl Start {
         let typical = pilot::median(widths).unwrap_or(f32::INFINITY);
         let first = settings.radius.unwrap_or(typical.clamp(FIRST_PIXELS[0], FIRST_PIXELS[1]));
         let further = pilot::median(radii);
-        Start {
+        Pilot {
+            paths,
             first,
             further: further.unwrap_or(guess.further),
             counts: [FIRST_COUNT as f32 * (first / typical).powi(2), further.map_or(0.0, |_| FURTHER_COUNT as f32)],
@@ -113,12 +125,12 @@ impl Start {
     }
 
     /// With radii that have shrunk to this share.
-    fn merging(&self, paths: u64, shrunk: f32) -> Merging {
+    fn merging(&self, shrunk: f32) -> Merging {
         // As photons at a point and a path that goes on from there do the same, only so much of the latter is worth while.
         let on = |count: f32| 1.0 / (1.0 + count * shrunk * shrunk);
         let [first, further] = self.counts.map(on);
         Merging {
-            paths,
+            paths: self.paths,
             first: self.first,
             shrunk,
             further: self.further,
@@ -152,5 +164,9 @@ impl Integrator for Auto {
 
     fn name(&self) -> &'static str {
         "auto"
+    }
+
+    fn pilot(&self) -> Vec<u8> {
+        pilot::write(&self.pilot)
     }
 }

@@ -6,14 +6,15 @@
 use glam::Vec2;
 
 use super::blocks::{camera_pass, light_pass};
+use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Exposure, Kind, Layered, Layers, Plain, Sink};
 use crate::material::{Bsdf, Lobes};
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{PathState, Visitor};
+use crate::transport::{Limits, Origin, PathState, Visitor, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -39,13 +40,13 @@ impl Integrator for LightTracing {
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
         let mut exposure = match layers.is_empty() {
-            true => emission::<Plain>(scene, film, pass, observer),
-            false => emission::<Layered>(scene, film, pass, observer),
+            true => emission::<Plain>(scene, film, pass, max_bounces, observer),
+            false => emission::<Layered>(scene, film, pass, max_bounces, observer),
         };
         let scale = 1.0 / paths as f32;
-        for Arrival { at, light, is_direct } in blocks.into_iter().flat_map(|block| block.splats) {
+        for Arrival { at, light, kind } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
-                exposure.add(pixel as usize, scene.basis().to_rgb(light * (scale * share)), is_direct);
+                exposure.add(pixel as usize, scene.basis().to_rgb(light * (scale * share)), kind);
             }
         }
         exposure
@@ -57,7 +58,13 @@ impl Integrator for LightTracing {
 }
 
 /// Lamps and the background in plain sight.
-fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+fn emission<S: Sink>(
+    scene: &Scene,
+    film: &FilmDescription,
+    pass: &Pass,
+    max_bounces: u32,
+    observer: &dyn Observer,
+) -> Exposure {
     camera_pass(
         scene,
         film,
@@ -65,7 +72,7 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
         1,
         &Rowless(observer),
         || (),
-        |path, _, (), sink: &mut S| {
+        |path, sampler, (), sink: &mut S| {
             let (mut light, mut ray, mut share, mut rays) = (Spectrum::ZERO, path.ray, 1.0, 0);
             let mut bsdf = Bsdf::default();
             // On through holes, if there are any.
@@ -74,18 +81,29 @@ fn emission<S: Sink>(scene: &Scene, film: &FilmDescription, pass: &Pass, observe
                     light += scene.background(ray.direction) * share;
                     break;
                 };
-                if rays == 0 {
-                    sink.surface(&point, &path);
-                }
                 rays += 1;
                 light += scene.emitted(&point) * share;
                 share *= point.bsdf.holes();
                 ray = point.surface.spawn(ray.direction);
             }
             sink.add(path.throughput * light, 0);
+            if S::LAYERED {
+                let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+                rays += walk(scene, path, Origin::Camera, &limits, sampler, &mut Surfaces(sink)).rays;
+            }
             rays.max(1)
         },
     )
+}
+
+/// Tells of surfaces as far as the first with a smooth lobe.
+struct Surfaces<'a, S>(&'a mut S);
+
+impl<S: Sink> Visitor for Surfaces<'_, S> {
+    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
+        self.0.surface(point, path);
+        if point.bsdf.lobes().meets(Lobes::SMOOTH) { Lobes::NONE } else { Lobes::DELTA }
+    }
 }
 
 /// Passes on everything but rows, which lack most of their light.
@@ -103,8 +121,8 @@ struct Arrival {
     at: Vec2,
     /// Radiance as if the path were the only one.
     light: Spectrum,
-    /// Whether it has been scattered only once.
-    is_direct: bool,
+    /// What it met on its way.
+    kind: Kind,
 }
 
 /// Connects every vertex to the camera.
@@ -136,6 +154,11 @@ impl Splat<'_> {
         let value = point.eval(to_camera) * (cos * seen.importance);
         let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
         let light = path.throughput * value * visibility;
-        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, is_direct: path.bounce == 0 })
+        let kind = match path.bounce {
+            0 => Kind::Direct,
+            _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
+            _ => Kind::Other,
+        };
+        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, kind })
     }
 }

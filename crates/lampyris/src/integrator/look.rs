@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::film::Sink;
 use crate::light::Illumination;
 use crate::material::{Lobes, Scattered};
-use crate::photon::{Estimate, Kernel, Nearest, PhotonMap, Radius};
+use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
@@ -20,6 +20,8 @@ pub(super) struct Look<'a, S> {
     sink: &'a mut S,
     /// Where and with which density the last smooth event chose its direction; none after a delta event.
     last: Option<(Vec3, f32)>,
+    /// Smooth events so far.
+    smooth_events: u32,
     merge: Option<Merge<'a>>,
 }
 
@@ -91,8 +93,9 @@ impl<'a> Merge<'a> {
         self.went_on
     }
 
-    /// Radiance back along the path of the light of photons that have been scattered at most so often.
-    fn radiance(&mut self, point: &SurfacePoint, path: &PathState, max_bounces: u32) -> Spectrum {
+    /// Radiance back along the path of the light of photons that have been scattered at most so often, and that of those
+    /// among them that came by mirrors and glass alone.
+    fn radiance(&mut self, point: &SurfacePoint, path: &PathState, max_bounces: u32) -> (Spectrum, Spectrum) {
         let most = if self.first { self.merging.first * path.cone.width } else { self.merging.further };
         // Not by the radius that is found: weights must not depend on the photons that they weigh.
         self.here = self.merging.density(most);
@@ -107,26 +110,38 @@ impl<'a> Merge<'a> {
         let found = estimate.find(point, self.found);
         let radius = if self.first { self.merging.shrunk * found } else { found };
         let (at, on, per_photon) = (self.rivals.at(point), self.goes_on(), 1.0 / self.here);
-        if point.is_lambertian() {
+        let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
+        let [light, caustic] = if point.is_lambertian() {
             // The same as below, for the most frequent case.
             let nearer = 1.0 + at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon);
             let farther = on * FRAC_1_PI * per_photon;
-            return estimate.weighted(point, radius, max_bounces, self.found, |photon| {
-                1.0 / (nearer + farther * photon.rivals * point.cos(photon.direction))
-            });
-        }
-        estimate.weighted(point, radius, max_bounces, self.found, |photon| {
-            let to_light = -photon.direction;
-            let nearer = at * point.pdf_back(to_light, Lobes::ALL);
-            let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
-            1.0 / (1.0 + (nearer + farther) * per_photon)
-        })
+            estimate.weighted(point, radius, self.found, |photon| {
+                let others = nearer + farther * photon.rivals * point.cos(photon.direction);
+                sets(photon, counts(photon), others)
+            })
+        } else {
+            estimate.weighted(point, radius, self.found, |photon| {
+                let to_light = -photon.direction;
+                let nearer = at * point.pdf_back(to_light, Lobes::ALL);
+                let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
+                sets(photon, counts(photon), 1.0 + (nearer + farther) * per_photon)
+            })
+        };
+        (light, caustic)
     }
+}
+
+/// The weights of a photon that counts, where `others` is the density of all ways to make its path over that of merging:
+/// in all light, and in caustics.
+#[inline]
+fn sets(photon: &Photon, counts: bool, others: f32) -> [f32; 2] {
+    let weight = if counts { 1.0 / others } else { 0.0 };
+    [weight, if photon.is_caustic() { weight } else { 0.0 }]
 }
 
 impl<'a, S> Look<'a, S> {
     pub(super) fn new(scene: &'a Scene, max_bounces: u32, sink: &'a mut S, merge: Option<Merge<'a>>) -> Look<'a, S> {
-        Look { scene, max_bounces, sink, last: None, merge }
+        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge }
     }
 
     /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
@@ -142,6 +157,17 @@ impl<'a, S> Look<'a, S> {
     }
 }
 
+impl<S: Sink> Look<'_, S> {
+    /// Adds light of a lamp that the path has reached.
+    fn add(&mut self, light: Spectrum, events: u32) {
+        self.sink.add(light, events);
+        // From the lamp, mirrors and glass came first, and then one smooth surface.
+        if S::LAYERED && self.last.is_none() && self.smooth_events == 1 {
+            self.sink.was_caustic(light);
+        }
+    }
+}
+
 impl<S: Sink> Visitor for Look<'_, S> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         self.sink.surface(point, path);
@@ -149,7 +175,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
         if !emitted.is_zero() {
             let of_photons = self.merge.as_ref().map_or(0.0, |_| self.scene.emission_density(point.shape));
             let weight = self.met(|from| self.scene.emitted_pdf(from, point), of_photons);
-            self.sink.add(path.throughput * emitted * weight, path.bounce);
+            self.add(path.throughput * emitted * weight, path.bounce);
         }
         if path.bounce < self.max_bounces {
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
@@ -173,8 +199,11 @@ impl<S: Sink> Visitor for Look<'_, S> {
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
             {
                 // The event in which the photons are read is one of the path's, too.
-                let light = merge.radiance(point, path, self.max_bounces - path.bounce - 1);
+                let (light, caustic) = merge.radiance(point, path, self.max_bounces - path.bounce - 1);
                 self.sink.add(path.throughput * light, path.bounce + 2);
+                if S::LAYERED && self.smooth_events == 0 {
+                    self.sink.was_caustic(path.throughput * caustic);
+                }
             }
         }
         Lobes::ALL
@@ -184,6 +213,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
         self.last = smooth.then_some((point.surface.position, on * scattered.pdf));
+        self.smooth_events += u32::from(smooth);
     }
 
     fn escaped(&mut self, path: &PathState) {
@@ -193,7 +223,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
             .backgrounds(path.ray.direction)
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
-        self.sink.add(path.throughput * radiance, path.bounce);
+        self.add(path.throughput * radiance, path.bounce);
     }
 
     fn worth(&self) -> f32 {

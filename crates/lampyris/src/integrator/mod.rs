@@ -15,6 +15,7 @@ pub use light::LightTracing;
 pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
 
+use crate::error::Result;
 use crate::film::{Exposure, Layers};
 pub use crate::observer::{Observer, Phase, Silent, Work};
 use crate::scene::Scene;
@@ -44,6 +45,11 @@ pub trait Integrator: Send + Sync {
 
     /// Its name on the command line.
     fn name(&self) -> &'static str;
+
+    /// What it measured before the first pass, for [`resumed`]; nothing, if it measures nothing.
+    fn pilot(&self) -> Vec<u8> {
+        Vec::new()
+    }
 }
 
 /// The integrator that a scene file or a command line asks for. Chooses the photon map's first radius by a pilot
@@ -63,4 +69,19 @@ pub fn integrator(
         IntegratorDescription::Path(settings) => Box::new(PathTracing { settings: settings.clone() }),
         IntegratorDescription::Light(settings) => Box::new(LightTracing { settings: settings.clone() }),
     }
+}
+
+/// The same integrator as [`integrator`] makes, to the bit, without measuring again: `pilot` is what the first one measured.
+///
+/// # Errors
+/// If no integrator with these settings has measured that.
+pub fn resumed(description: &IntegratorDescription, pilot: &[u8]) -> Result<Box<dyn Integrator>> {
+    Ok(match description {
+        IntegratorDescription::Auto(settings) => Box::new(Auto::resumed(settings.clone(), pilot)?),
+        IntegratorDescription::PhotonMap(settings) => {
+            Box::new(PhotonMapping::resumed(settings.clone(), pilot::read(pilot)?)?)
+        }
+        IntegratorDescription::Path(settings) => Box::new(PathTracing { settings: settings.clone() }),
+        IntegratorDescription::Light(settings) => Box::new(LightTracing { settings: settings.clone() }),
+    })
 }

@@ -1,9 +1,12 @@
 //! Photon mapping: walks from the lamps leave photons, walks from the camera gather them (theory §5).
 
+use serde::{Deserialize, Serialize};
+
 use super::blocks::camera_pass;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
+use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius};
@@ -16,7 +19,15 @@ use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
 #[derive(Clone, Debug)]
 pub struct PhotonMapping {
     settings: PhotonMapSettings,
+    pilot: Pilot,
     bandwidth: Bandwidth,
+}
+
+/// What is measured before the first pass.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Pilot {
+    /// The first radius, where the settings give none and need one.
+    radius: Option<f32>,
 }
 
 impl PhotonMapping {
@@ -28,22 +39,18 @@ impl PhotonMapping {
         seed: u64,
         observer: &dyn Observer,
     ) -> PhotonMapping {
-        let count = settings.k as usize;
-        let bandwidth = match (settings.bandwidth, settings.radius) {
-            (BandwidthRule::Nearest, radius) => {
-                Bandwidth::Nearest { count, max_radius: radius.unwrap_or(f32::INFINITY) }
-            }
-            (BandwidthRule::Fixed, Some(radius)) => Bandwidth::Fixed(radius),
-            (BandwidthRule::Shrinking, Some(initial)) => Bandwidth::Shrinking { initial, alpha: settings.alpha },
-            (rule, None) => {
-                let radius = pilot::radius(scene, film, &settings, seed, observer);
-                match rule {
-                    BandwidthRule::Fixed => Bandwidth::Fixed(radius),
-                    _ => Bandwidth::Shrinking { initial: radius, alpha: settings.alpha },
-                }
-            }
-        };
-        PhotonMapping { settings, bandwidth }
+        let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
+        let radius = is_needed.then(|| pilot::radius(scene, film, &settings, seed, observer));
+        let bandwidth = bandwidth(&settings, radius.unwrap_or(f32::INFINITY));
+        PhotonMapping { settings, pilot: Pilot { radius }, bandwidth }
+    }
+
+    /// With these settings, and what was measured for them.
+    pub(super) fn resumed(settings: PhotonMapSettings, pilot: Pilot) -> Result<PhotonMapping> {
+        let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
+        let is_fit = pilot.radius.is_some() == is_needed && pilot.radius.is_none_or(|radius| radius > 0.0);
+        let bandwidth = bandwidth(&settings, pilot.radius.unwrap_or(f32::INFINITY));
+        is_fit.then_some(PhotonMapping { settings, pilot, bandwidth }).ok_or_else(pilot::unfit)
     }
 
     /// How the radius is chosen.
@@ -99,6 +106,20 @@ impl Integrator for PhotonMapping {
     fn name(&self) -> &'static str {
         "photon-map"
     }
+
+    fn pilot(&self) -> Vec<u8> {
+        pilot::write(&self.pilot)
+    }
+}
+
+/// How the radius is chosen by settings; `measured` stands in where they give none.
+fn bandwidth(settings: &PhotonMapSettings, measured: f32) -> Bandwidth {
+    let radius = settings.radius.unwrap_or(measured);
+    match settings.bandwidth {
+        BandwidthRule::Nearest => Bandwidth::Nearest { count: settings.k as usize, max_radius: radius },
+        BandwidthRule::Fixed => Bandwidth::Fixed(radius),
+        BandwidthRule::Shrinking => Bandwidth::Shrinking { initial: radius, alpha: settings.alpha },
+    }
 }
 
 /// The photon map of a pass, sorted for this radius.
@@ -134,12 +155,21 @@ impl<S: Sink> Visitor for Gather<'_, S> {
                 self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.
-            let light = self.estimate.radiance(point, self.max_bounces - path.bounce - 1, self.found);
-            self.sink.add(path.throughput * light, path.bounce + 2);
-            if S::LAYERED && self.direct == Direct::Photons && path.bounce == 0 {
-                // Photons straight from a lamp, read where the camera looks: asked for once more, by themselves, so that
-                // the sum above is the same with layers and without.
-                self.sink.was_direct(path.throughput * self.estimate.radiance(point, 0, self.found));
+            let most = self.max_bounces - path.bounce - 1;
+            if S::LAYERED {
+                // Photons straight from a lamp are direct light where they are read and the camera looks.
+                let looks = self.direct == Direct::Photons && path.bounce == 0;
+                let radius = self.estimate.find(point, self.found);
+                let [light, direct, caustic] = self.estimate.weighted(point, radius, self.found, |photon| {
+                    let counts = u32::from(photon.bounce) <= most;
+                    [counts, looks && photon.bounce == 0, counts && photon.is_caustic()].map(f32::from)
+                });
+                self.sink.add(path.throughput * light, path.bounce + 2);
+                self.sink.was_direct(path.throughput * direct);
+                self.sink.was_caustic(path.throughput * caustic);
+            } else {
+                let light = self.estimate.radiance(point, most, self.found);
+                self.sink.add(path.throughput * light, path.bounce + 2);
             }
         }
         Lobes::DELTA

@@ -5,10 +5,13 @@
 //! and it scales with the scene.
 
 use glam::Vec2;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photon_map::photon_map;
 use super::{Observer, Pass, Phase};
+use crate::error::{Error, Result};
 use crate::material::{Lobes, Scattered};
 use crate::photon::{Nearest, PhotonMap, Radius};
 use crate::sampler::{Sampler, purpose};
@@ -16,6 +19,24 @@ use crate::scene::description::{FilmDescription, PhotonMapSettings};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, walk};
+
+/// What a pilot measured as bytes, for [`Integrator::pilot`](super::Integrator::pilot).
+pub(super) fn write(pilot: &impl Serialize) -> Vec<u8> {
+    postcard::to_stdvec(pilot).unwrap_or_default()
+}
+
+/// What was measured, from the bytes.
+///
+/// # Errors
+/// If it is something else.
+pub(super) fn read<P: DeserializeOwned>(bytes: &[u8]) -> Result<P> {
+    postcard::from_bytes(bytes).map_err(|_| unfit())
+}
+
+/// What was measured is not what the settings need.
+pub(super) fn unfit() -> Error {
+    Error::new("what the pilot measured is missing or damaged")
+}
 
 /// Rays from the camera that look for gather points.
 const RAYS: u64 = 1024;

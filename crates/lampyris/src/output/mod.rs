@@ -174,7 +174,7 @@ fn encode_picture(format: Format, picture: &Picture<'_>) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`decode`], or what the operating system says.
 pub fn read_image(path: &Path) -> Result<Image> {
-    decode(&path.to_string_lossy(), &read_bytes(path)?)
+    decode(&path.to_string_lossy(), &read_whole(path)?)
 }
 
 /// Reads one layer of an EXR file by its name: channels `NAME.R`, `.G`, `.B` or `.X`, `.Y`, `.Z`, or a single one.
@@ -182,7 +182,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
 /// # Errors
 /// A file of another format, a name that it does not have, and those of [`read_image`].
 pub fn read_layer(path: &Path, name: &str) -> Result<Image> {
-    let bytes = read_bytes(path)?;
+    let bytes = read_whole(path)?;
     let layer = match bytes.as_slice() {
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode_layer(&bytes, name),
         _ => Err(Error::new(format!("there is no layer '{name}': only EXR files have layers"))),
@@ -190,7 +190,11 @@ pub fn read_layer(path: &Path, name: &str) -> Result<Image> {
     layer.map_err(|error| error.with_file(path))
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+/// All bytes of a file.
+///
+/// # Errors
+/// What the operating system says.
+pub fn read_whole(path: &Path) -> Result<Vec<u8>> {
     // Pipes and devices do not say how long they are, and some never end.
     const LONGEST_STREAM: u64 = 1 << 30;
     let fail = |error| Error::io(path, "read", &error);

@@ -40,7 +40,9 @@ impl Estimate<'_> {
     /// `max_bounces` scattering events: Σ f Φ K / paths [Jensen 2001, eq. 7.6, with a kernel].
     pub fn radiance(&self, point: &SurfacePoint, max_bounces: u32, found: &mut Nearest) -> Spectrum {
         let radius = self.find(point, found);
-        self.weighted(point, radius, max_bounces, found, |_| 1.0)
+        let [radiance] =
+            self.weighted(point, radius, found, |photon| [f32::from(u32::from(photon.bounce) <= max_bounces)]);
+        radiance
     }
 
     /// Leaves in `found` the photons around `point`, and returns how far they were looked for, in scene units.
@@ -49,16 +51,14 @@ impl Estimate<'_> {
         self.map.search(point.surface.position, self.radius, found)
     }
 
-    /// [`Estimate::radiance`] of what was found within a radius, each photon with a weight against other ways of finding
-    /// the same light.
-    pub fn weighted(
+    /// [`Estimate::radiance`] of what was found within a radius, for several weights of photons at once.
+    pub fn weighted<const SETS: usize>(
         &self,
         point: &SurfacePoint,
         radius: f32,
-        max_bounces: u32,
         found: &mut Nearest,
-        share: impl Fn(&Photon) -> f32,
-    ) -> Spectrum {
+        weights: impl Fn(&Photon) -> [f32; SETS],
+    ) -> [Spectrum; SETS] {
         let center = point.surface.position;
         let normal = if point.surface.normal.dot(point.to_previous) < 0.0 {
             -point.surface.normal
@@ -66,18 +66,22 @@ impl Estimate<'_> {
             point.surface.normal
         };
         let even = point.even();
-        let mut sum = Spectrum::ZERO;
-        let mut add = |photon: &Photon, weight: f32| {
+        let mut sums = [Spectrum::ZERO; SETS];
+        let mut add = |photon: &Photon, kernel: f32| {
             let to_light = -photon.direction;
             let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
-            if u32::from(photon.bounce) <= max_bounces && counts {
+            let weights = weights(photon);
+            if weights != [0.0; SETS] && counts {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
-                let light = photon.flux * (share(photon) * weight / point.geometric_over_shading(to_light));
-                sum += match even {
+                let light = photon.flux * (kernel / point.geometric_over_shading(to_light));
+                let light = match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
                     None => point.eval_radiance(to_light) * light,
                 };
+                for (sum, weight) in sums.iter_mut().zip(weights) {
+                    *sum += light * weight;
+                }
             }
         };
         self.kernel.weigh::<2>(radius, found.hits.distances_squared_mut());
@@ -85,7 +89,7 @@ impl Estimate<'_> {
         for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
             add(&photons[index as usize], weight);
         }
-        sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
+        sums.map(|sum| sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32)
     }
 }
 

@@ -3,6 +3,7 @@
 mod assets;
 mod build;
 pub mod description;
+mod fingerprint;
 pub(crate) mod notation;
 pub mod schema;
 pub mod settings;
@@ -16,6 +17,7 @@ use glam::{Vec2, Vec3};
 pub use assets::{Assets, NoAssets};
 pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
+pub use fingerprint::{Fingerprint, NotedAssets};
 
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};

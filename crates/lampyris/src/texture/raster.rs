@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use crate::image::Image;
 use crate::spectrum::srgb_to_linear;
@@ -67,6 +68,17 @@ impl Raster {
         let pixels = (0..opacity.len()).map(|index| self.color_of(index));
         let texels = pixels.zip(opacity).flat_map(|([r, g, b], &a)| [r, g, b, a]).collect();
         Raster { channels: 4, texels: Texels::Floats(texels), curve: Curve::Linear, ..self }
+    }
+
+    /// All that it is: what kind of numbers they are and how they lie, and their bytes in the machine's order.
+    pub(crate) fn identity(&self) -> (String, &[u8]) {
+        let (kind, bytes) = match &self.texels {
+            Texels::Bytes(texels) => ("bytes", texels.as_slice()),
+            Texels::Words(texels) => ("words", bytemuck::cast_slice(texels)),
+            Texels::Halves(texels) => ("halves", bytemuck::cast_slice(texels.reinterpret_cast())),
+            Texels::Floats(texels) => ("floats", bytemuck::cast_slice(texels)),
+        };
+        (format!("{kind} {:?} {}×{}×{}", self.curve, self.width, self.height, self.channels), bytes)
     }
 
     /// The same numbers, which mean this.

@@ -4,8 +4,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use lampyris::checkpoint::Checkpoint;
 use lampyris::compare::{compare, difference_image};
 use lampyris::error::{Error, Result};
+use lampyris::film::Layer;
 use lampyris::image::Image;
 use lampyris::import::load::{LoadOptions, load};
 use lampyris::import::{Files, Imported};
@@ -17,7 +19,7 @@ use lampyris::scene::description::{CameraDescription, FilterDescription, Integra
 use lampyris::tonemap::ToneMap;
 
 /// The readers, by the names of their fuzz targets and of the folders of their corpora.
-pub const READERS: [&str; 12] = [
+pub const READERS: [&str; 13] = [
     "toml",
     "mitsuba",
     "pbrt",
@@ -28,6 +30,7 @@ pub const READERS: [&str; 12] = [
     "serialized",
     "texture",
     "picture",
+    "film",
     "spectrum",
     "settings",
 ];
@@ -78,6 +81,7 @@ impl Workbench {
             "spectrum" => self.used("a.spd", bytes, SPECTRUM_USER),
             "texture" => self.texture(bytes),
             "picture" => self.picture(bytes),
+            "film" => film(bytes),
             "settings" => settings(bytes),
             other => panic!("there is no reader '{other}'"),
         }
@@ -152,6 +156,16 @@ impl Workbench {
     fn write(&self, name: &str, bytes: &[u8]) -> std::io::Result<()> {
         fs::write(self.folder.join(name), bytes)
     }
+}
+
+/// A film without its checksum, which would keep most changes out.
+fn film(bytes: &[u8]) -> Result<()> {
+    let sealed = [bytes, &crc32fast::hash(bytes).to_le_bytes()].concat();
+    let mut film = Checkpoint::decode(&sealed)?;
+    let read = film.film();
+    let _ = (read.image(), read.relative_error(), Layer::ALL.map(|layer| read.layer(layer)));
+    let _ = film.merge(&film.clone());
+    Checkpoint::decode(&film.encode()).map(drop)
 }
 
 /// One `key = value` a line, as `--set` gives them.

@@ -1,0 +1,120 @@
+//! Films in files: written on the way, gone on with, merged, and made into pictures.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use lampyris::checkpoint::{Checkpoint, Identity};
+use lampyris::error::{Error, Result};
+use lampyris::film::{Film, Layer};
+use lampyris::image::Image;
+use lampyris::output::{Fact, Picture, check_path, check_writable, read_whole, write_picture, write_whole};
+use lampyris::render::Render;
+
+use crate::args::MergeArguments;
+use crate::format::plural;
+use crate::report::{Failure, print};
+
+/// How often a film is written, unless told otherwise.
+const INTERVAL: Duration = Duration::from_secs(60);
+
+/// Whether a file is a film, by its name.
+pub fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film"))
+}
+
+/// Reads a film.
+///
+/// # Errors
+/// A file that cannot be read, or that is no film, of another version, or damaged.
+pub fn read(path: &Path) -> Result<Checkpoint> {
+    Checkpoint::decode(&read_whole(path)?).map_err(|error| error.with_file(path))
+}
+
+/// The picture of a film, or one of its layers.
+///
+/// # Errors
+/// As [`read`], or if it does not have the layer.
+pub fn read_image(path: &Path, layer: Option<&str>) -> Result<Image> {
+    let checkpoint = read(path)?;
+    let film = checkpoint.film();
+    let Some(name) = layer else { return Ok(film.image()) };
+    let layer = Layer::ALL.into_iter().find(|layer| layer.name() == name).and_then(|layer| film.layer(layer));
+    layer.ok_or_else(|| Error::new(format!("there is no layer '{name}' in the film")).with_file(path))
+}
+
+/// Writes the picture of a film to all of these places, with its layers where a file has room for them.
+///
+/// # Errors
+/// Whatever keeps any of them from being written: the others are.
+pub fn write_pictures(film: &Film, facts: &[(&str, Fact)], outputs: &[&Path]) -> Result<(), Failure> {
+    let image = film.image();
+    let layers: Vec<(Layer, Image)> =
+        film.layers().iter().filter_map(|layer| Some((layer, film.layer(layer)?))).collect();
+    let picture = Picture { image: &image, layers: &layers, facts };
+    Failure::if_any(outputs.iter().filter_map(|path| write_picture(path, &picture).err()).collect())
+}
+
+/// The file that a render keeps its film in.
+#[derive(Debug)]
+pub struct Keeper {
+    file: PathBuf,
+    identity: Identity,
+    every: Duration,
+    written: Instant,
+}
+
+impl Keeper {
+    /// Before the first pass.
+    pub fn new(file: &Path, identity: Identity, every: Option<Duration>) -> Keeper {
+        Keeper { file: file.to_path_buf(), identity, every: every.unwrap_or(INTERVAL), written: Instant::now() }
+    }
+
+    /// Whether it is time to write again.
+    pub fn is_due(&self) -> bool {
+        self.written.elapsed() >= self.every
+    }
+
+    /// Writes the film, whole or not at all.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn write(&mut self, render: &Render<'_>) -> Result<()> {
+        let written = write_whole(&self.file, &render.checkpoint(&self.identity));
+        // Also after a failure: the disk may have room later, and to try after each pass would slow the render.
+        self.written = Instant::now();
+        written
+    }
+}
+
+/// `lampyris merge`.
+///
+/// # Errors
+/// Films that do not belong together or share a pass, and what keeps files from being read or written. Nothing is written
+/// then.
+pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
+    for output in &arguments.outputs {
+        if is_film(output) { check_writable(output)? } else { check_path(output)? }
+    }
+    let mut films = arguments.films.iter();
+    let Some(first) = films.next() else { return Ok(()) };
+    let mut sum = read(first)?;
+    for path in films {
+        sum.merge(&read(path)?).map_err(|error| {
+            let fault = format!("cannot merge '{}' with '{}': {}", path.display(), first.display(), error.message);
+            Error::new(fault).with_hint("merge films of one scene and its settings, each with passes of its own")
+        })?;
+    }
+    let (pictures, kept): (Vec<_>, Vec<_>) =
+        arguments.outputs.iter().map(PathBuf::as_path).partition(|path| !is_film(path));
+    let bytes = if kept.is_empty() { Vec::new() } else { sum.encode() };
+    kept.iter().try_for_each(|path| write_whole(path, &bytes))?;
+    let (film, identity) = (sum.film(), sum.identity());
+    let facts = [
+        ("version", Fact::Text(identity.version().into())),
+        ("integrator", Fact::Text(identity.integrator().into())),
+        ("seed", Fact::Text(identity.seed().to_string())),
+        ("passes", Fact::Whole(i32::try_from(film.passes()).unwrap_or(i32::MAX))),
+    ];
+    write_pictures(film, &facts, &pictures)?;
+    Ok(print(&format!("{}: {}\n", plural(film.passes() as usize, "pass"), sum.passes()))?)
+}

@@ -1,0 +1,194 @@
+//! Films: kept on the way, gone on with after any end, merged in any order, always to the same bits.
+
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant, SystemTime};
+
+use super::{Folder, SCENE, program};
+
+/// Every way of rendering, with whatever makes its films differ in kind.
+const WAYS: [&str; 7] = [
+    "--integrator auto --set photons=500",
+    "--integrator path",
+    "--integrator path --set samples=3 --set filter=tent --set filter.radius=1.3",
+    "--integrator photon-map",
+    "--integrator photon-map --set filter=tent --set bandwidth=nearest --set direct=photons",
+    "--integrator photon-map --set bandwidth=fixed --set radius=0.3",
+    "--integrator light --set photons=500 --set filter=tent",
+];
+
+#[test]
+fn films_of_parts_make_the_film_of_the_whole() {
+    for (way, number) in WAYS.iter().zip(0..) {
+        let folder = Folder::with_scene(SCENE);
+        let render = |options: &str| folder.run(&format!("render scene.toml -q --layers all {way} {options}"));
+        render("-o whole.npy --checkpoint whole.film --passes 8 --threads 1");
+        render("-o a.npy --checkpoint a.film --pass-range 0..3 --threads 2");
+        render("-o b.npy --checkpoint b.film --pass-range 3..8 --threads 1");
+        assert_eq!(folder.run("merge b.film a.film -o m.film -o m.npy").0, "8 passes: 0..8\n");
+        folder.run("merge a.film b.film -o n.film");
+        assert_eq!(folder.read("m.npy"), folder.read("whole.npy"), "{way}");
+        assert!(folder.read("m.film") == folder.read("whole.film"), "{way}, all sums");
+        assert!(folder.read("n.film") == folder.read("whole.film"), "{way}, the other way round");
+        if number % 2 == 0 {
+            // What comes later may also be there before.
+            render("-o c.npy --resume b.film --passes 8 --threads 2");
+            assert_eq!(folder.read("c.npy"), folder.read("whole.npy"), "{way}, backwards");
+            assert!(folder.read("b.film") == folder.read("whole.film"), "{way}, in the same file");
+        }
+    }
+}
+
+#[test]
+fn a_render_goes_on_where_it_ended() {
+    let folder = Folder::with_scene(SCENE);
+    folder.run("render scene.toml -q -o a.exr --checkpoint a.film --passes 3");
+    let before = folder.read("a.film");
+    let (_, said) = folder.run("render scene.toml -o b.npy --resume a.film --checkpoint b.film --passes 7");
+    assert!(said.contains("going on from passes 0..3") && said.contains("7 passes"), "{said}");
+    assert!(before == folder.read("a.film"), "the film went elsewhere");
+    folder.run("render scene.toml -q -o c.npy -o c.exr --passes 7");
+    assert_eq!(folder.read("b.npy"), folder.read("c.npy"));
+    folder.run("merge b.film -o d.npy -o d.exr");
+    folder.run("tonemap c.exr --layer normal -o c-normal.pfm --operator clamp");
+    folder.run("tonemap d.exr --layer normal -o d-normal.pfm --operator clamp");
+    folder.run("tonemap b.film --layer normal -o b-normal.pfm --operator clamp");
+    assert_eq!(folder.read("c-normal.pfm"), folder.read("d-normal.pfm"));
+    assert_eq!(folder.read("c-normal.pfm"), folder.read("b-normal.pfm"));
+    assert!(folder.run("compare b.film c.npy").0.contains("RMSE                0\n"));
+}
+
+#[test]
+fn a_film_that_has_all_passes_is_only_looked_at() {
+    let folder = Folder::with_scene(SCENE);
+    folder.run("render scene.toml -q -o a.npy --checkpoint a.film --passes 3 --stats a.json");
+    folder.run("render scene.toml -q -o b.npy --resume a.film --passes 2 --stats b.json");
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"));
+    let stats = |name: &str| serde_json::from_slice::<serde_json::Value>(&folder.read(name)).expect("JSON");
+    assert_eq!((stats("b.json")["pass_ranges"].as_str(), stats("b.json")["rays"].as_u64()), (Some("0..3"), Some(0)));
+    assert_eq!(stats("a.json")["errors"][0]["passes"], 2);
+}
+
+#[test]
+fn films_of_something_else_are_refused() {
+    let folder = Folder::with_scene(SCENE);
+    folder.write("other.toml", SCENE.replace("radius = 0.5", "radius = 0.4"));
+    folder.run("render scene.toml -q -o a.png --checkpoint a.film --passes 2 --seed 1");
+    folder.run("render scene.toml -q -o a.png --checkpoint b.film --pass-range 1..3 --seed 1");
+    folder.run("render scene.toml -q -o a.png --checkpoint c.film --pass-range 2..3 --seed 2");
+    folder.write("cut.film", &folder.read("a.film")[..900]);
+    let mut damaged = folder.read("a.film");
+    damaged[700] ^= 4;
+    folder.write("damaged.film", damaged);
+    let refusals = [
+        ("render scene.toml --resume a.film --passes 4", "it is of seed 1 instead of 0"),
+        ("render other.toml --resume a.film --passes 4 --seed 1", "it is of another scene"),
+        (
+            "render scene.toml --resume a.film --seed 1 --set k=11",
+            "of another integrator.photon-map.k: 10 instead of 11",
+        ),
+        ("render scene.toml --resume a.film --seed 1 --integrator path", "of another integrator"),
+        ("render scene.toml --resume a.film --seed 1 --size 8x7", "of another film.size"),
+        ("render scene.toml --resume a.film --seed 1 --set fov=50", "of another camera.fov"),
+        ("render scene.toml --resume a.film --seed 1 --layers albedo -o x.exr", "it has other layers"),
+        ("render scene.toml --resume cut.film --seed 1", "cut.film: the film is damaged or cut short"),
+        ("render scene.toml --resume damaged.film --seed 1", "the film is damaged or cut short"),
+        ("render scene.toml --resume scene.toml", "not a film of Lampyris"),
+        ("render scene.toml --resume none.film", "no such file"),
+        ("render scene.toml --checkpoint no/a.film", "there is no folder"),
+        ("render scene.toml --checkpoint a.png -o a.png", "cannot hold both"),
+        ("render scene.toml --checkpoint-every 3s", "needs a film to write"),
+        ("merge a.film b.film -o m.film", "both have pass 1"),
+        ("merge a.film a.film -o m.film", "both have passes 0..2"),
+        ("merge a.film c.film -o m.film", "one is of seed 2 instead of 1"),
+        ("merge a.film -o m.jpeg", "names no picture format"),
+        ("tonemap a.film -o m.png --layer albedo", "there is no layer 'albedo'"),
+    ];
+    for (arguments, expected) in refusals {
+        let said = folder.refuse(arguments);
+        assert!(said.contains(expected), "{arguments}: {said}");
+    }
+}
+
+#[test]
+fn a_render_ends_at_its_error_and_at_the_same_pass_again() {
+    let folder = Folder::with_scene(SCENE);
+    let render = |options: &str| folder.run(&format!("render scene.toml -q --integrator path {options}"));
+    let stats = |name: &str| serde_json::from_slice::<serde_json::Value>(&folder.read(name)).expect("JSON");
+    render("-o a.npy --target-error 4% --stats a.json");
+    let passes = stats("a.json")["passes"].as_u64().expect("a number");
+    assert!(passes >= 8 && stats("a.json")["relative_error"].as_f64().expect("a number") <= 0.04, "{passes}");
+    render("-o b.npy --checkpoint b.film --passes 5");
+    render("-o b.npy --resume b.film --target-error 0.04 --threads 1");
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"));
+    render("-o b.npy --resume b.film --target-error 4%");
+    assert_eq!(folder.read("a.npy"), folder.read("b.npy"), "what is good enough stays as it is");
+    render("-o c.npy --target-error 0.0001% --passes 9 --stats c.json");
+    assert_eq!(stats("c.json")["passes"], 9, "whichever comes first");
+}
+
+/// Numbers that nobody chose, the same in each run.
+struct Moments(u64);
+
+impl Moments {
+    fn below(&mut self, most: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % most
+    }
+}
+
+/// Waits until the file has been written so often, or the render has ended.
+fn wait_for_films(folder: &Folder, child: &mut Child, count: u64) {
+    let written = || std::fs::metadata(folder.path("a.film")).and_then(|file| file.modified()).ok();
+    let (mut last, mut seen) = (written(), 0);
+    let begun = Instant::now();
+    while seen < count && child.try_wait().expect("a child").is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is written");
+        let now: Option<SystemTime> = written();
+        seen += u64::from(now != last);
+        last = now;
+    }
+}
+
+#[test]
+fn a_render_that_is_killed_again_and_again_gives_the_same_bits() {
+    const KILLS: u32 = 40;
+    const PASSES: u32 = 400;
+    for way in ["--integrator path --set filter=tent", "--integrator photon-map", "--integrator auto"] {
+        let folder = Folder::with_scene(SCENE);
+        let render = format!("render scene.toml -q -o a.npy --checkpoint-every 1ms --passes {PASSES} {way}");
+        let mut moments = Moments(7);
+        let (mut kills, mut kept) = (0, 0);
+        loop {
+            let film = if folder.path("a.film").exists() { "--resume a.film" } else { "--checkpoint a.film" };
+            let mut child = Command::new(program())
+                .current_dir(folder.path(""))
+                .args(render.split_whitespace().chain(film.split_whitespace()))
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("it runs");
+            if kills < KILLS {
+                wait_for_films(&folder, &mut child, moments.below(4));
+                // Into the next pass, or the writing of its film.
+                let moment = Instant::now() + Duration::from_micros(moments.below(4000));
+                while Instant::now() < moment {}
+                kills += u32::from(child.try_wait().expect("a child").is_none());
+                child.kill().expect("SIGKILL, or it has ended");
+            }
+            let status = child.wait().expect("it ends");
+            if folder.path("a.film").exists() {
+                // Always whole, and never less than before.
+                let (told, _) = folder.run("merge a.film -o now.npy");
+                let passes: u32 = told.split(' ').next().and_then(|count| count.parse().ok()).expect("a number");
+                assert!(passes >= kept && told.ends_with(&format!(": 0..{passes}\n")), "{told} after {kept}");
+                kept = passes;
+            }
+            if status.success() {
+                break;
+            }
+        }
+        assert!(kills >= 10, "only {kills} in the middle of {way}");
+        assert_eq!(kept, PASSES);
+        folder.run(&format!("render scene.toml -q -o straight.npy --passes {PASSES} {way}"));
+        assert!(folder.read("a.npy") == folder.read("straight.npy"), "{way}");
+    }
+}

@@ -1,0 +1,387 @@
+//! Renders kept in files: a film, the passes that it holds, and what it takes to go on with others.
+//!
+//! A file is, all numbers in little-endian order:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 16 | `LAMPYRIS FILM 1` and a line feed; the number is the version of this table |
+//! | 8 | the length of the header |
+//! | | the header, in JSON: the [`Identity`], the passes, the layers |
+//! | 8 | the length of the pilot |
+//! | | what the integrator measured before the first pass, in a form of its own |
+//! | | the sums: for each of them, the higher limbs of all pixels, the lower limbs, and the numbers of the limbs |
+//! | 4 | CRC-32 of all before |
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+use crate::film::{Film, FilmShape, Layers, PassSet};
+use crate::scene::{Fingerprint, SceneDescription};
+
+/// A film with all that it takes to go on, or to be merged with others of the same render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    identity: Identity,
+    pilot: Vec<u8>,
+    passes: PassSet,
+    film: Film,
+}
+
+/// Everything that a pass depends on beside its number. What has the same identity can be merged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Of the program: another one may compute otherwise.
+    version: String,
+    /// Of all but camera and settings.
+    scene: Fingerprint,
+    seed: u64,
+    integrator: Value,
+    film: Value,
+    camera: Value,
+}
+
+/// The header of a file.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    identity: Identity,
+    passes: PassSet,
+    film: FilmShape,
+}
+
+impl Identity {
+    /// Of a scene with this fingerprint, rendered as its description says.
+    pub fn new(scene: Fingerprint, description: &SceneDescription) -> Identity {
+        // What can be said in a scene file can be said in JSON.
+        let value = |part: serde_json::Result<Value>| part.unwrap_or_default();
+        Identity {
+            version: env!("CARGO_PKG_VERSION").into(),
+            scene,
+            seed: description.render.seed,
+            integrator: value(serde_json::to_value(&description.integrator)),
+            film: value(serde_json::to_value(&description.film)),
+            camera: value(serde_json::to_value(&description.camera)),
+        }
+    }
+
+    /// What sets another identity apart from this one, such as `seed: 1 instead of 2`; none if nothing does.
+    pub fn difference(&self, other: &Identity) -> Option<String> {
+        if self.version != other.version {
+            return Some(format!("made by version {} instead of {}", other.version, self.version));
+        }
+        if self.seed != other.seed {
+            return Some(format!("of seed {} instead of {}", other.seed, self.seed));
+        }
+        let parts = [
+            ("integrator", &self.integrator, &other.integrator),
+            ("film", &self.film, &other.film),
+            ("camera", &self.camera, &other.camera),
+        ];
+        let of_setting = parts.into_iter().find_map(|(name, own, other)| difference(name, own, other));
+        of_setting.or_else(|| (self.scene != other.scene).then(|| "of another scene".to_string()))
+    }
+
+    /// The name of the integrator, for those who look at a film.
+    pub fn integrator(&self) -> &str {
+        let name = self.integrator.as_object().and_then(|tagged| tagged.keys().next());
+        name.map_or("unknown", String::as_str)
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The version of the program.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+}
+
+/// The first key whose value differs, with both values.
+fn difference(key: &str, own: &Value, other: &Value) -> Option<String> {
+    let none = &Value::Null;
+    match (own, other) {
+        (Value::Object(own), Value::Object(other)) => {
+            let keys = own.keys().chain(other.keys().filter(|key| !own.contains_key(*key)));
+            let mut pairs = keys.map(|name| (name, own.get(name).unwrap_or(none), other.get(name).unwrap_or(none)));
+            pairs.find_map(|(name, own, other)| difference(&format!("{key}.{name}"), own, other))
+        }
+        _ => (!is_same(own, other)).then(|| format!("of another {key}: {} instead of {}", said(other), said(own))),
+    }
+}
+
+/// Whether two values are the same, one of which may have been written and read again: the last bit of a double can be
+/// lost on the way, and settings have single precision.
+fn is_same(own: &Value, other: &Value) -> bool {
+    match (own, other) {
+        (Value::Array(own), Value::Array(other)) => {
+            own.len() == other.len() && own.iter().zip(other).all(|(own, other)| is_same(own, other))
+        }
+        (Value::Number(own), Value::Number(other)) if own.is_f64() && other.is_f64() => {
+            own.as_f64().map(|value| value as f32) == other.as_f64().map(|value| value as f32)
+        }
+        _ => own == other,
+    }
+}
+
+/// A value as people would say it.
+fn said(value: &Value) -> String {
+    match value {
+        Value::Null => "none".into(),
+        Value::String(text) => text.clone(),
+        Value::Object(_) => "another".into(),
+        value => value.to_string(),
+    }
+}
+
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 1\n";
+/// What the files of all versions begin with.
+const ANY_VERSION: usize = 14;
+const CHECKSUM: usize = 4;
+
+impl Checkpoint {
+    /// Whether bytes begin as those of a film do.
+    pub fn is_in(bytes: &[u8]) -> bool {
+        bytes.starts_with(&MAGIC[..ANY_VERSION])
+    }
+
+    /// The bytes of a file.
+    pub fn encode(&self) -> Vec<u8> {
+        encode(&self.identity, &self.pilot, &self.passes, &self.film)
+    }
+
+    /// What [`Checkpoint::encode`] wrote.
+    ///
+    /// # Errors
+    /// Bytes that are no film, of another version, cut short or damaged.
+    pub fn decode(bytes: &[u8]) -> Result<Checkpoint> {
+        if !Checkpoint::is_in(bytes) {
+            return Err(Error::new("not a film of Lampyris").with_hint("films are what --checkpoint and merge write"));
+        }
+        let Some(content) = bytes.strip_prefix(MAGIC) else {
+            return Err(Error::new("a film of another version of Lampyris")
+                .with_hint("go on with the version that wrote it, or begin anew"));
+        };
+        let damaged = || Error::new("the film is damaged or cut short");
+        let (_, checksum) = bytes.split_last_chunk::<CHECKSUM>().ok_or_else(damaged)?;
+        let is_whole = crc32fast::hash(&bytes[..bytes.len() - CHECKSUM]) == u32::from_le_bytes(*checksum);
+        let mut rest =
+            content.get(..content.len().saturating_sub(CHECKSUM)).filter(|_| is_whole).ok_or_else(damaged)?;
+        let header: Header = serde_json::from_slice(part(&mut rest).ok_or_else(damaged)?).map_err(|_| damaged())?;
+        let pilot = part(&mut rest).ok_or_else(damaged)?.to_vec();
+        let film = Film::read_sums(&header.film, rest).ok_or_else(damaged)?;
+        if header.passes.count() != u64::from(film.passes()) {
+            return Err(damaged());
+        }
+        Ok(Checkpoint { identity: header.identity, pilot, passes: header.passes, film })
+    }
+
+    /// Adds the passes of another checkpoint of the same render.
+    ///
+    /// # Errors
+    /// If it is of another one, or both have a pass. This one is as before then.
+    pub fn merge(&mut self, other: &Checkpoint) -> Result<()> {
+        if let Some(difference) = self.identity.difference(&other.identity) {
+            return Err(Error::new(format!("the films do not belong together: one is {difference}")));
+        }
+        if self.pilot != other.pilot {
+            return Err(Error::new("the films do not belong together: their pilots measured different things"));
+        }
+        let mut passes = self.passes.clone();
+        passes.add(&other.passes)?;
+        self.film.merge(&other.film)?;
+        self.passes = passes;
+        Ok(())
+    }
+
+    /// What it is of.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The passes that it holds.
+    pub fn passes(&self) -> &PassSet {
+        &self.passes
+    }
+
+    /// The layers that it holds.
+    pub fn layers(&self) -> Layers {
+        self.film.layers()
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// What the integrator measured before the first pass.
+    pub fn pilot(&self) -> &[u8] {
+        &self.pilot
+    }
+
+    pub(crate) fn into_film(self) -> (Film, PassSet) {
+        (self.film, self.passes)
+    }
+}
+
+/// The bytes of a file with a film that holds these passes; `pilot` is what the integrator measured.
+pub(crate) fn encode(identity: &Identity, pilot: &[u8], passes: &PassSet, film: &Film) -> Vec<u8> {
+    let header = Header { identity: identity.clone(), passes: passes.clone(), film: film.shape() };
+    // Nothing in it has no form in JSON.
+    let header = serde_json::to_vec(&header).unwrap_or_default();
+    let mut bytes = Vec::with_capacity(header.len() + pilot.len() + film.shape().bytes().unwrap_or(0) + 64);
+    bytes.extend(MAGIC);
+    for part in [&header, pilot] {
+        bytes.extend((part.len() as u64).to_le_bytes());
+        bytes.extend(part);
+    }
+    film.write_sums(&mut bytes);
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    bytes
+}
+
+/// A part with its length before it, from the beginning of `bytes`, which moves on.
+fn part<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
+    let (length, rest) = bytes.split_first_chunk::<8>()?;
+    let (part, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    *bytes = rest;
+    Some(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Exposure, Features};
+    use crate::image::Image;
+    use crate::import::toml::read_str;
+    use crate::scene::{NoAssets, NotedAssets};
+    use proptest::prelude::*;
+
+    fn identity(settings: &str) -> Identity {
+        let text = format!("{settings}\nshapes = [{{ type = 'sphere' }}]");
+        let description = read_str("a.toml".as_ref(), &text).expect("a scene").description;
+        Identity::new(NotedAssets::new(&NoAssets).fingerprint(&description), &description)
+    }
+
+    /// With weights and layers.
+    fn checkpoint(passes: &[u32]) -> Checkpoint {
+        let mut film = Film::with_layers([3, 2], Layers::ALL);
+        let mut held = PassSet::new();
+        for &pass in passes {
+            let value = (pass as f32).sin().abs();
+            let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
+            let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
+            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3 });
+            held.insert(pass);
+        }
+        Checkpoint {
+            identity: identity("film = { filter = { type = 'tent', radius = 1.1 } }"),
+            pilot: vec![1, 2],
+            passes: held,
+            film,
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let kept = checkpoint(&[3, 4, 5, 9]);
+        let read = Checkpoint::decode(&kept.encode()).expect("it is whole");
+        assert_eq!(read.film, kept.film);
+        assert_eq!((&read.passes, &read.pilot), (&kept.passes, &kept.pilot));
+        assert_eq!(kept.identity.difference(&read.identity), None);
+        assert_eq!(read.encode(), kept.encode());
+    }
+
+    #[test]
+    fn any_split_and_order_makes_the_same_film() {
+        let whole = checkpoint(&[0, 1, 2, 3, 4]);
+        let parts = [checkpoint(&[1, 4]), checkpoint(&[0]), checkpoint(&[3, 2])];
+        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+            let mut sum = parts[order[0]].clone();
+            order[1..].iter().for_each(|&part| sum.merge(&parts[part]).expect("disjoint"));
+            assert_eq!(sum, whole);
+        }
+    }
+
+    #[test]
+    fn a_pass_is_never_counted_twice() {
+        let mut sum = checkpoint(&[0, 1, 2]);
+        let before = sum.clone();
+        assert_eq!(sum.merge(&checkpoint(&[2, 3])).expect_err("overlap").message, "both have pass 2");
+        assert_eq!(sum, before);
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let own = identity("integrator = { type = 'photon-map', alpha = 0.7 }");
+        let difference = |settings: &str| own.difference(&identity(settings));
+        assert_eq!(difference("integrator = { type = 'photon-map', alpha = 0.7 }\nrender = { passes = 9 }"), None);
+        let told = [
+            ("integrator = { type = 'photon-map', alpha = 0.7 }\nrender = { seed = 3 }", "of seed 3 instead of 0"),
+            (
+                "integrator = { type = 'photon-map', alpha = 0.7, k = 9 }",
+                "of another integrator.photon-map.k: 9 instead of 50",
+            ),
+            (
+                "integrator = { type = 'photon-map', alpha = 0.7 }\nlights = [{ type = 'constant', radiance = 1 }]",
+                "of another scene",
+            ),
+        ];
+        for (settings, expected) in told {
+            assert_eq!(difference(settings).as_deref(), Some(expected), "{settings}");
+        }
+        assert!(difference("integrator = { type = 'path' }").is_some_and(|told| told.contains("integrator")));
+    }
+
+    #[test]
+    fn other_files_and_other_versions_are_told_apart() {
+        let message = |bytes: &[u8]| Checkpoint::decode(bytes).expect_err("no film").message;
+        assert_eq!(message(b""), "not a film of Lampyris");
+        assert_eq!(message(b"PNG"), "not a film of Lampyris");
+        assert_eq!(message(b"LAMPYRIS FILM 2\n"), "a film of another version of Lampyris");
+        assert_eq!(message(MAGIC), "the film is damaged or cut short");
+    }
+
+    /// With a checksum that fits.
+    fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn sizes_that_are_not_there_take_no_memory() {
+        let kept = checkpoint(&[0]).encode();
+        let text = String::from_utf8_lossy(&kept).to_string();
+        let start = text.find("\"size\":[3,2],\"passes\"").expect("in the header");
+        for size in ["[4294967295,4294967295]", "[18446744073709551615,9]", "[4,2]", "[0,0]"] {
+            let (head, rest) = (&kept[24..start], &kept[start + "\"size\":[3,2]".len()..kept.len() - CHECKSUM]);
+            let length =
+                u64::from_le_bytes(kept[16..24].try_into().expect("eight")) as usize + size.len() - "[3,2]".len();
+            let parts: [&[u8]; 6] = [MAGIC, &(length as u64).to_le_bytes(), head, b"\"size\":", size.as_bytes(), rest];
+            Checkpoint::decode(&sealed(parts.concat())).expect_err(size);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn damage_is_found(at in any::<prop::sample::Index>(), bit in 0..8u8, cut in any::<prop::sample::Index>()) {
+            let mut bytes = checkpoint(&[0, 1]).encode();
+            prop_assert!(Checkpoint::decode(&bytes[..cut.index(bytes.len())]).is_err());
+            *at.get_mut(&mut bytes) ^= 1 << bit;
+            prop_assert!(Checkpoint::decode(&bytes).is_err());
+        }
+
+        #[test]
+        fn damage_under_a_checksum_that_fits_does_no_harm(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
+            let mut bytes = checkpoint(&[0, 1]).encode();
+            bytes.truncate(bytes.len() - CHECKSUM);
+            changes.iter().for_each(|(at, byte)| *at.get_mut(&mut bytes) = *byte);
+            if let Ok(mut read) = Checkpoint::decode(&sealed(bytes)) {
+                let _ = (read.film.image(), read.film.relative_error(), read.film.layer(crate::film::Layer::Depth));
+                let _ = read.merge(&checkpoint(&[7]));
+                let _ = read.encode();
+            }
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Sums that have the same bits in whatever order, and in however many parts, the values came.
+//!
+//! A sum in floating point rounds after every value, so that its last bits tell the order. Here a value is cut where
+//! multiples of 40 binary places lie, into *limbs* at fixed places, and each limb is summed as an integer of its own.
+//! Kept are the two highest limbs that any value so far has touched; those below are dropped whole. Both which limbs these
+//! are and what is in them depend on the set of values alone. What is dropped is less than 2⁻⁴⁰ of the largest value, for
+//! each value. [Demmel & Nguyen 2015] sum likewise; their bins carry, ours are wide enough not to.
+
+use rayon::prelude::*;
+
+/// Binary places of a limb.
+const WIDTH: i32 = 40;
+const MASK: u64 = (1 << WIDTH) - 1;
+
+/// Place 0 is the lowest bit of the smallest double.
+const LOWEST: i32 = -1074;
+
+/// How many values can be added: each moves a limb by less than 2⁴⁰, and there are 2⁶³.
+pub(super) const MOST_VALUES: u32 = 1 << 23;
+
+/// Bits of [`ExactSums::top`]: the number of the higher limb, and what cannot be summed.
+const LIMB: u8 = 0x3f;
+const POSITIVE_INFINITY: u8 = 0x40;
+const NEGATIVE_INFINITY: u8 = 0x80;
+const NOT_A_NUMBER: u8 = POSITIVE_INFINITY | NEGATIVE_INFINITY;
+
+/// The number of the highest limb that a finite double can touch.
+const LAST_LIMB: u8 = ((1023 - LOWEST) / WIDTH) as u8;
+
+/// Many such sums, at 17 bytes each. Infinite values and those that are no numbers make a sum what they would make it in
+/// floating point, in any order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ExactSums {
+    /// Sums of the limb that `top` numbers, and of the one below it.
+    high: Vec<i64>,
+    low: Vec<i64>,
+    top: Vec<u8>,
+}
+
+/// One of them.
+struct Sum<'a> {
+    high: &'a mut i64,
+    low: &'a mut i64,
+    top: &'a mut u8,
+}
+
+/// How many sums a thread takes at a time.
+const CHUNK: usize = 1 << 14;
+
+impl ExactSums {
+    /// So many sums of nothing.
+    pub(super) fn new(count: usize) -> ExactSums {
+        ExactSums { high: vec![0; count], low: vec![0; count], top: vec![0; count] }
+    }
+
+    /// How many they are.
+    pub(super) fn len(&self) -> usize {
+        self.top.len()
+    }
+
+    /// Adds to each sum the value of its number.
+    pub(super) fn add_each(&mut self, value: impl Fn(usize) -> f64 + Sync) {
+        self.each(|index, mut sum| sum.add(value(index)));
+    }
+
+    /// Adds what was added to others: the same as adding it here.
+    ///
+    /// # Panics
+    /// If there are not as many.
+    pub(super) fn merge(&mut self, others: &ExactSums) {
+        assert_eq!(self.top.len(), others.top.len(), "as many sums");
+        self.each(|index, mut sum| sum.merge(others.high[index], others.low[index], others.top[index]));
+    }
+
+    fn each(&mut self, change: impl Fn(usize, Sum) + Sync) {
+        let change_all = |chunk: usize, high: &mut [i64], low: &mut [i64], top: &mut [u8]| {
+            let sums = high.iter_mut().zip(low).zip(top);
+            (chunk * CHUNK..).zip(sums).for_each(|(index, ((high, low), top))| change(index, Sum { high, low, top }));
+        };
+        if self.top.len() <= CHUNK {
+            // To wake other threads would take longer.
+            return change_all(0, &mut self.high, &mut self.low, &mut self.top);
+        }
+        let chunks = self.high.par_chunks_mut(CHUNK).zip(self.low.par_chunks_mut(CHUNK));
+        let chunks = chunks.zip(self.top.par_chunks_mut(CHUNK)).enumerate();
+        chunks.for_each(|(chunk, ((high, low), top))| change_all(chunk, high, low, top));
+    }
+
+    /// A sum, rounded once.
+    pub(super) fn value(&self, index: usize) -> f64 {
+        let top = self.top[index];
+        match top & !LIMB {
+            POSITIVE_INFINITY => return f64::INFINITY,
+            NEGATIVE_INFINITY => return f64::NEG_INFINITY,
+            NOT_A_NUMBER => return f64::NAN,
+            _ => {}
+        }
+        let units = (i128::from(self.high[index]) << WIDTH) + i128::from(self.low[index]);
+        let exponent = (i32::from(top & LIMB) - 1) * WIDTH + LOWEST;
+        // In two steps, for the power alone may be too small for a double.
+        units as f64 * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
+    }
+
+    /// Bytes that so many sums take.
+    pub(super) const BYTES: usize = 2 * size_of::<i64>() + 1;
+
+    /// All that they are, for [`ExactSums::read`].
+    pub(super) fn write(&self, bytes: &mut Vec<u8>) {
+        for limbs in [&self.high, &self.low] {
+            bytes.extend(limbs.iter().flat_map(|limb| limb.to_le_bytes()));
+        }
+        bytes.extend(&self.top);
+    }
+
+    /// So many sums from the beginning of `bytes`, which moves on; none unless there are as many, or if they are none that
+    /// values can make.
+    pub(super) fn read(bytes: &mut &[u8], count: usize) -> Option<ExactSums> {
+        let (own, rest) = bytes.split_at_checked(count.checked_mul(Self::BYTES)?)?;
+        let (high, own) = own.split_at(count * size_of::<i64>());
+        let (low, top) = own.split_at(count * size_of::<i64>());
+        let limbs = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|limb| i64::from_le_bytes(*limb)).collect();
+        let is_limb = |top: &u8| top & LIMB <= LAST_LIMB;
+        *bytes = rest;
+        top.iter().all(is_limb).then(|| ExactSums { high: limbs(high), low: limbs(low), top: top.to_vec() })
+    }
+}
+
+impl Sum<'_> {
+    #[inline]
+    fn add(&mut self, value: f64) {
+        let bits = value.to_bits();
+        let (exponent, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
+        let is_negative = bits >> 63 == 1;
+        // The value is mantissa × 2^(place + LOWEST).
+        let (mantissa, place) = match exponent {
+            0 if fraction == 0 => return,
+            0 => (fraction, 0),
+            0x7ff => {
+                *self.top |= match (fraction, is_negative) {
+                    (0, false) => POSITIVE_INFINITY,
+                    (0, true) => NEGATIVE_INFINITY,
+                    _ => NOT_A_NUMBER,
+                };
+                return;
+            }
+            _ => (fraction | 1 << 52, exponent - 1),
+        };
+        self.reach((place + 63 - mantissa.leading_zeros() as i32) / WIDTH);
+        let top = i32::from(*self.top & LIMB);
+        let sign = if is_negative { -1 } else { 1 };
+        *self.high = self.high.wrapping_add(sign * limb(mantissa, place, top));
+        *self.low = self.low.wrapping_add(sign * limb(mantissa, place, top - 1));
+    }
+
+    fn merge(&mut self, high: i64, low: i64, top: u8) {
+        *self.top |= top & !LIMB;
+        let others = i32::from(top & LIMB);
+        self.reach(others);
+        // Limbs of files may be any numbers; those of values are far from overflowing.
+        match i32::from(*self.top & LIMB) - others {
+            0 => {
+                *self.high = self.high.wrapping_add(high);
+                *self.low = self.low.wrapping_add(low);
+            }
+            1 => *self.low = self.low.wrapping_add(high),
+            _ => {}
+        }
+    }
+
+    /// Keeps this limb, and all above it that are kept already.
+    #[inline]
+    fn reach(&mut self, limb: i32) {
+        let above = limb - i32::from(*self.top & LIMB);
+        if above > 0 {
+            *self.low = if above == 1 { *self.high } else { 0 };
+            *self.high = 0;
+            *self.top = *self.top & !LIMB | limb as u8;
+        }
+    }
+}
+
+/// What a value has in a limb, if that is its highest, the one below, or any above.
+#[inline]
+fn limb(mantissa: u64, place: i32, limb: i32) -> i64 {
+    // Up by a whole limb first, for the limb below the highest may begin below the mantissa.
+    let down = (limb + 1) * WIDTH - place;
+    let shifted = (u128::from(mantissa) << WIDTH) >> down.min(127);
+    (shifted as u64 & MASK) as i64
+}
+
+/// 2 to a power that a double can be.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
+    fn sum(values: &[f64]) -> ExactSums {
+        let mut sums = ExactSums::new(1);
+        values.iter().for_each(|&value| sums.add_each(|_| value));
+        sums
+    }
+
+    /// Every double that is finite, with many near each other; zeros of both signs.
+    fn doubles() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            4 => (-1.0..1.0f64, -38..38).prop_map(|(value, power)| value * 10f64.powi(power)),
+            4 => (-1.0..1.0f64).prop_map(|value| 1e-12 * value),
+            2 => -1e3..1e3f32.into(),
+            1 => any::<f32>().prop_filter("finite", |value| value.is_finite()).prop_map(f64::from),
+            1 => any::<f64>().prop_filter("finite", |value| value.is_finite() && value.abs() < 1e300),
+            1 => prop_oneof![Just(0.0), Just(-0.0), Just(f64::from_bits(1)), Just(f64::MIN_POSITIVE)],
+        ]
+    }
+
+    fn anything() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            8 => doubles(),
+            1 => prop_oneof![Just(f64::INFINITY), Just(f64::NEG_INFINITY), Just(f64::NAN)],
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn any_order_gives_the_same_bits(
+            (values, shuffled) in vec(anything(), 0..40).prop_flat_map(|values| (Just(values.clone()), Just(values).prop_shuffle()))
+        ) {
+            prop_assert_eq!(sum(&values), sum(&shuffled));
+        }
+
+        #[test]
+        fn any_split_gives_the_same_bits(values in vec(anything(), 0..40), owners in vec(0..4usize, 40)) {
+            let mut parts = vec![ExactSums::new(1); 4];
+            for (value, owner) in values.iter().zip(owners) {
+                parts[owner].add_each(|_| *value);
+            }
+            for order in [[0, 1, 2, 3], [3, 1, 0, 2]] {
+                let mut merged = ExactSums::new(1);
+                order.iter().for_each(|&part| merged.merge(&parts[part]));
+                prop_assert_eq!(&merged, &sum(&values));
+            }
+        }
+
+        #[test]
+        fn what_is_lost_is_less_than_a_part_in_a_million_million_of_the_largest(values in vec(-1_000_000_000_000_i64..1_000_000_000_000, 1..200)) {
+            // Powers that are far apart, so that limbs come and go.
+            let scaled: Vec<i128> = values.iter().zip(0..).map(|(&value, i)| i128::from(value) << (7 * (i % 9))).collect();
+            let largest = scaled.iter().map(|value| value.abs()).max().unwrap_or(0) as f64;
+            let exact = scaled.iter().sum::<i128>() as f64;
+            let doubles: Vec<f64> = scaled.iter().map(|&value| value as f64).collect();
+            prop_assert!(scaled.iter().zip(&doubles).all(|(&value, &double)| double as i128 == value));
+            let found = sum(&doubles).value(0);
+            let allowed = values.len() as f64 * largest * 2f64.powi(-40) + 1e-15 * exact.abs();
+            prop_assert!((found - exact).abs() <= allowed, "{} is not {} ± {}", found, exact, allowed);
+        }
+
+        #[test]
+        fn bytes_keep_all_of_it(values in vec(anything(), 0..20)) {
+            let sums = sum(&values);
+            let mut bytes = Vec::new();
+            sums.write(&mut bytes);
+            prop_assert_eq!(bytes.len(), ExactSums::BYTES);
+            prop_assert_eq!(ExactSums::read(&mut bytes.as_slice(), 1), Some(sums));
+            prop_assert_eq!(ExactSums::read(&mut &bytes[1..], 1), None);
+        }
+
+        #[test]
+        fn bytes_of_others_do_no_harm(bytes in vec(any::<u8>(), 2 * ExactSums::BYTES), value in anything()) {
+            if let Some(mut sums) = ExactSums::read(&mut bytes.as_slice(), 2) {
+                sums.add_each(|_| value);
+                sums.merge(&sums.clone());
+                let _ = (sums.value(0), sums.value(1));
+            }
+        }
+    }
+
+    #[test]
+    fn one_value_is_itself() {
+        for value in
+            [0.0, 1.0, -2.5, 1e-45_f32.into(), f32::MAX.into(), (-3.3e38_f32).into(), 0.1_f32.into(), 2f64.powi(-1000)]
+        {
+            assert_eq!(sum(&[value]).value(0), value);
+        }
+        // Doubles of more bits than the limbs keep are rounded down at the 41st bit or later.
+        assert!((sum(&[0.1]).value(0) / 0.1 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_number_makes_the_sum_what_floating_point_does() {
+        assert_eq!(sum(&[1.0, f64::INFINITY, -5.0]).value(0), f64::INFINITY);
+        assert_eq!(sum(&[f64::NEG_INFINITY, 1.0]).value(0), f64::NEG_INFINITY);
+        assert!(sum(&[f64::NEG_INFINITY, 1.0, f64::INFINITY]).value(0).is_nan());
+        assert!(sum(&[f64::NAN, 1.0]).value(0).is_nan());
+    }
+
+    #[test]
+    fn as_many_values_as_are_allowed_do_not_overflow() {
+        // All bits of the highest limb, so many times.
+        let value = (2f64.powi(40) - 1.0) * 2f64.powi(6);
+        let mut sums = sum(&[value]);
+        for _ in 0..23 {
+            sums.merge(&sums.clone());
+        }
+        assert_eq!(sums.value(0), f64::from(MOST_VALUES) * value);
+    }
+}
