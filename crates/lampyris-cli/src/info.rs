@@ -89,7 +89,8 @@ fn settings(table: &mut Table, description: &SceneDescription, scene: &Scene) {
         Some(passes) => passes.to_string(),
         None => format!("{} (default)", default_passes(integrator)),
     };
-    table.row("passes", format!("{passes}, seed {}", description.render.seed));
+    let wavelengths = if scene.is_spectral() { ", of four wavelengths each" } else { "" };
+    table.row("passes", format!("{passes}{wavelengths}, seed {}", description.render.seed));
     let [width, height] = description.film.size;
     let filter = match description.film.filter {
         FilterDescription::Box { radius } => format!("box filter of radius {radius}"),

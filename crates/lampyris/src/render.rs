@@ -72,7 +72,8 @@ impl<'s> Render<'s> {
         let Some(index) = missing else { return false };
         let pass = Pass { index, seed: self.seed };
         let layers = self.film.layers();
-        self.film.add_pass(&self.integrator.expose(self.scene, &self.settings, &pass, layers, observer));
+        let scene = self.scene.of_pass(pass.seed, pass.index);
+        self.film.add_pass(&self.integrator.expose(&scene, &self.settings, &pass, layers, observer));
         self.passes.insert(index);
         true
     }

@@ -216,8 +216,8 @@ fn a_thin_lens_concentrates_light_by_its_focal_length() {
     dome.normals.iter_mut().for_each(|[x, _, z]| (*x, *z) = (-*x, -*z));
     let one = Paint::grey(1.0);
     let glass = MaterialDescription::Glass {
-        ior: 1.5,
-        exterior_ior: 1.0,
+        ior: 1.5.into(),
+        exterior_ior: 1.0.into(),
         reflectance: one.clone(),
         transmittance: one,
         roughness: None,

@@ -308,7 +308,7 @@ fn model() -> impl Strategy<Value = Material> {
         paint().prop_map(|reflectance| Material::Diffuse { reflectance }),
         paint().prop_map(|reflectance| Material::Mirror { reflectance }),
         (ior(), paint(), paint()).prop_map(|(ior, reflectance, transmittance)| Material::Glass {
-            ior,
+            ior: ior.into(),
             reflectance,
             transmittance
         }),
@@ -368,7 +368,7 @@ fn deltas(bsdf: &Bsdf, to_previous: Vec3) -> Vec<(Vec3, Spectrum, f32)> {
                 && (other.0 - to_next).length() < 1e-6
         };
         if !found.iter().any(near) {
-            found.push((to_next, share, scattered.ior_ratio, scattered.event));
+            found.push((to_next, share, scattered.ior_ratio.lanes()[0], scattered.event));
         }
     }
     found.into_iter().map(|(to_next, share, ratio, _)| (to_next, share, ratio)).collect()

@@ -14,7 +14,7 @@ use crate::error::{Error, did_you_mean};
 use crate::image::Image;
 use crate::material::Lobes;
 use crate::scene::SurfacePoint;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Basis, Spectrum};
 use crate::transport::PathState;
 
 /// One layer. All are means over the samples of a pixel.
@@ -167,11 +167,11 @@ pub trait Sink: Default + Send {
     /// Takes this share of all that was left at another one.
     fn take(&mut self, other: &Self, share: f32);
 
-    /// The sum of what was added.
+    /// The sum of what was added, in the lanes of the pass.
     fn radiance(&self) -> Spectrum;
 
     /// The features as means over so many samples.
-    fn features(&self, _samples: u32) -> Option<Features> {
+    fn features(&self, _samples: u32, _basis: &Basis) -> Option<Features> {
         None
     }
 }
@@ -274,14 +274,15 @@ impl Sink for Layered {
         self.radiance
     }
 
-    fn features(&self, samples: u32) -> Option<Features> {
+    fn features(&self, samples: u32, basis: &Basis) -> Option<Features> {
         let n = samples as f32;
         Some(Features {
-            emission: (self.emission / n).to_rgb(),
-            direct: (self.direct / n).to_rgb(),
-            caustic: (self.caustic / n).to_rgb(),
-            albedo: (self.albedo / n).to_rgb(),
-            normal: (self.normal / n).to_array(),
+            emission: basis.to_rgb(self.emission / n),
+            direct: basis.to_rgb(self.direct / n),
+            caustic: basis.to_rgb(self.caustic / n),
+            albedo: basis.to_rgb(self.albedo / n),
+            // As the weight of the pass has it.
+            normal: (self.normal * (basis.white() / n)).to_array(),
             position: (self.position / n).to_array(),
             depth: self.depth / n,
             met: self.met / n,
@@ -343,9 +344,9 @@ impl From<Image> for Exposure {
 }
 
 impl Exposure {
-    /// Adds radiance to a pixel.
-    pub fn add(&mut self, pixel: usize, light: Spectrum, kind: Kind) {
-        let add = |sum: &mut [f32; 3]| *sum = (Spectrum::from_rgb(*sum) + light).to_rgb();
+    /// Adds radiance in linear RGB to a pixel.
+    pub fn add(&mut self, pixel: usize, light: [f32; 3], kind: Kind) {
+        let add = |sum: &mut [f32; 3]| *sum = [0, 1, 2].map(|channel| sum[channel] + light[channel]);
         add(&mut self.image.pixels_mut()[pixel]);
         let Some(features) = self.features.get_mut(pixel) else { return };
         match kind {

@@ -6,6 +6,7 @@ use glam::Vec2;
 use super::{Exposure, Sink};
 use crate::image::Image;
 use crate::scene::description::FilterDescription;
+use crate::spectrum::Basis;
 
 /// What the samples of one row leave in the rows around it: as far up and down, and to both sides, as the filter reaches.
 pub(crate) struct Band<S> {
@@ -48,9 +49,10 @@ impl<S: Sink> Band<S> {
     }
 
     /// The row itself, for those who cannot wait for its neighbours.
-    pub(crate) fn middle_row(&self) -> Vec<[f32; 3]> {
+    pub(crate) fn middle_row(&self, basis: &Basis) -> Vec<[f32; 3]> {
         let middle = &self.pixels[self.reach * self.width..][..self.width];
-        middle.iter().map(|(sum, weight)| (sum.radiance() / weight.max(f32::MIN_POSITIVE)).to_rgb()).collect()
+        let mean = |(sum, weight): &(S, f32)| basis.to_rgb(sum.radiance() / weight.max(f32::MIN_POSITIVE));
+        middle.iter().map(mean).collect()
     }
 }
 
@@ -81,18 +83,19 @@ impl<S: Sink> Sums<S> {
         }
     }
 
-    pub(crate) fn exposure(self, samples: u32) -> Exposure {
+    pub(crate) fn exposure(self, samples: u32, basis: &Basis) -> Exposure {
         let n = samples as f32;
-        let pixels = self.pixels.iter().map(|(sum, _)| (sum.radiance() / n).to_rgb()).collect();
+        let pixels = self.pixels.iter().map(|(sum, _)| basis.to_rgb(sum.radiance() / n)).collect();
         let image =
             Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
-        let weights =
-            if self.reach == 0 { Vec::new() } else { self.pixels.iter().map(|(_, weight)| weight / n).collect() };
-        Exposure {
-            image,
-            features: self.pixels.iter().filter_map(|(sum, _)| sum.features(samples)).collect(),
-            weights,
-            samples,
-        }
+        // What four wavelengths make of white is known: the picture need not have its noise.
+        let white = basis.white();
+        let weights = if self.reach == 0 && white == 1.0 {
+            Vec::new()
+        } else {
+            self.pixels.iter().map(|(_, weight)| weight / n * white).collect()
+        };
+        let features = self.pixels.iter().filter_map(|(sum, _)| sum.features(samples, basis)).collect();
+        Exposure { image, features, weights, samples }
     }
 }

@@ -215,8 +215,8 @@ impl Importer<'_> {
             // The filter is that of the whole body, whose boundary light crosses twice.
             let filter = share(material.filter.unwrap_or([1.0; 3])).map(f32::sqrt);
             return MaterialDescription::Glass {
-                ior: material.ior.filter(|&ior| ior > 1.0).unwrap_or(1.5),
-                exterior_ior: 1.0,
+                ior: material.ior.filter(|&ior| ior > 1.0).unwrap_or(1.5).into(),
+                exterior_ior: 1.0.into(),
                 reflectance: Paint::grey(1.0),
                 transmittance: Paint::Color(Color(filter)),
                 roughness: None,

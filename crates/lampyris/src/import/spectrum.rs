@@ -26,7 +26,8 @@ pub(super) fn to_rgb(spectrum: &Spectrum, role: Role) -> ([f64; 3], bool) {
     (clamped, rgb.iter().any(|&channel| channel < 0.0))
 }
 
-fn value_at(spectrum: &Spectrum, wavelength: f64) -> f64 {
+/// The value at a wavelength in nm.
+pub(super) fn value_at(spectrum: &Spectrum, wavelength: f64) -> f64 {
     match spectrum {
         Spectrum::Constant(value) => *value,
         Spectrum::BlackBody { temperature, scale } => scale * planck(wavelength, *temperature),

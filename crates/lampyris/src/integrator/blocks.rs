@@ -46,7 +46,7 @@ pub(super) fn camera_pass<W, S: Sink>(
             }
         }
         if let Some(y) = y.checked_sub(reach).filter(|&y| y < height) {
-            observer.row(y, &band.middle_row());
+            observer.row(y, &band.middle_row(scene.basis()));
         }
         observer.work(&Work { rays, share: 1.0 / (height + 2 * reach) as f64, ..Work::default() });
         band
@@ -58,7 +58,7 @@ pub(super) fn camera_pass<W, S: Sink>(
         let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
         (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
     }
-    sums.exposure(samples)
+    sums.exposure(samples, scene.basis())
 }
 
 /// Rows of pixels that wait to be summed, so that they need little memory; a band around a row has several.
@@ -89,9 +89,10 @@ pub(super) fn light_pass<V: Visitor + Send>(
             let path = PathState { hidden_lamp: emission.is_hidden(), ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);
-            work.flux_emitted += f64::from(emission.flux.mean()) / paths as f64;
+            let watts = |flux: Spectrum| f64::from(Spectrum::from_rgb(scene.basis().to_rgb(flux)).mean());
+            work.flux_emitted += watts(emission.flux) / paths as f64;
             if walked.end == End::Cut {
-                work.flux_cut += f64::from(walked.path.throughput.mean()) / paths as f64;
+                work.flux_cut += watts(walked.path.throughput) / paths as f64;
             }
         }
         observer.work(&work);

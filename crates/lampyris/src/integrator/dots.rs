@@ -6,7 +6,6 @@ use crate::image::Image;
 use crate::photon::{Photon, PhotonMap};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
-use crate::spectrum::Spectrum;
 
 /// Every photon that is `shown` and in plain sight is a dot of its colour, of brightness 1 at the mean flux.
 pub(super) fn draw(scene: &Scene, film: &FilmDescription, map: &PhotonMap, shown: impl Fn(&Photon) -> bool) -> Image {
@@ -20,7 +19,8 @@ pub(super) fn draw(scene: &Scene, film: &FilmDescription, map: &PhotonMap, shown
         let position = photon.position + photon.normal * (1e-5 * photon.position.distance(seen.lens));
         if !scene.surfaces().occluded(position, seen.lens) {
             let sum = &mut image.pixels_mut()[pixel as usize];
-            *sum = (Spectrum::from_rgb(*sum) + photon.flux / mean).to_rgb();
+            let light = scene.basis().to_rgb(photon.flux / mean);
+            *sum = [0, 1, 2].map(|channel| sum[channel] + light[channel]);
         }
     }
     image

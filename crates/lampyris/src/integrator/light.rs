@@ -46,7 +46,7 @@ impl Integrator for LightTracing {
         let scale = 1.0 / paths as f32;
         for Arrival { at, light, kind } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
-                exposure.add(pixel as usize, light * (scale * share), kind);
+                exposure.add(pixel as usize, scene.basis().to_rgb(light * (scale * share)), kind);
             }
         }
         exposure

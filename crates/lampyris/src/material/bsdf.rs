@@ -161,6 +161,8 @@ pub struct Bsdf<'a> {
     count: u8,
     lobes: Lobes,
     transmits: bool,
+    /// Whether a rough part separates wavelengths.
+    separates: bool,
 }
 
 /// A direction in which a path goes on.
@@ -170,19 +172,19 @@ pub struct Scattered {
     pub to_next: Vec3,
     /// What the throughput is multiplied by: value × cosine / density.
     pub weight: Spectrum,
-    /// Density per solid angle; for delta events the probability of the event.
+    /// [`Bsdf::pdf`], a density per solid angle; for delta events the probability of the event.
     pub pdf: f32,
     /// What happened.
     pub event: Event,
     /// Index of refraction on the new side over that of the old one; 1 unless refracted.
-    pub ior_ratio: f32,
+    pub ior_ratio: Spectrum,
 }
 
 impl Default for Bsdf<'_> {
     /// Without any part: black.
     fn default() -> Self {
         let nothing = Part { weight: 0.0, flipped: false, model: Model::Hole(Hole) };
-        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false }
+        Bsdf { parts: [nothing; MAX_PARTS], count: 0, lobes: Lobes::NONE, transmits: false, separates: false }
     }
 }
 
@@ -196,7 +198,8 @@ impl<'a> Bsdf<'a> {
 
     /// Takes all parts away.
     pub(super) fn clear(&mut self) {
-        (self.count, self.lobes, self.transmits) = (0, Lobes::NONE, false);
+        (self.count, self.lobes) = (0, Lobes::NONE);
+        (self.transmits, self.separates) = (false, false);
     }
 
     /// Adds a part.
@@ -206,6 +209,7 @@ impl<'a> Bsdf<'a> {
     pub(super) fn push(&mut self, part: Part<'a>) {
         self.lobes = self.lobes | part.model.lobes();
         self.transmits |= part.model.transmits();
+        self.separates |= matches!(part.model, Model::RoughGlass(RoughGlass { fan: Some(_), .. }));
         self.parts[usize::from(self.count)] = part;
         self.count += 1;
     }
@@ -278,17 +282,27 @@ impl<'a> Bsdf<'a> {
         if total <= 0.0 {
             return 0.0;
         }
-        self.smooth_pdf(&weights, to_previous, to_next) / total
+        self.smooth_pdf(&weights, |part, event| part.pdf(event, to_previous, to_next)) / total
     }
 
     /// One event out of those that may be followed, with a direction; none if nothing can be followed. What absorbs
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+        let mut scattered = self.draw(to_previous, follow, sampler)?;
+        if self.separates && Lobes::SMOOTH.contains(scattered.event) {
+            scattered.pdf = self.pdf(to_previous, scattered.to_next, follow);
+        }
+        Some(scattered)
+    }
+
+    /// [`Bsdf::sample`], with the density with which the direction was drawn indeed.
+    #[inline]
+    fn draw(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
         if let Some((part, event)) = self.only(follow) {
             let rest = sampler.uniform();
             let u = numbers(rest, sampler);
             return part.follow(event, 1.0, to_previous, u, |to_next| {
-                (part.pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
+                (part.drawn_pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
             });
         }
         let weights = self.weights(to_previous, follow);
@@ -296,7 +310,8 @@ impl<'a> Bsdf<'a> {
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
         let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
         part.follow(event, probability, to_previous, numbers(rest, sampler), |to_next| {
-            (self.smooth_pdf(&weights, to_previous, to_next) / total, self.eval(to_previous, to_next))
+            let pdf = self.smooth_pdf(&weights, |part, event| part.drawn_pdf(event, to_previous, to_next));
+            (pdf / total, self.eval(to_previous, to_next))
         })
     }
 
@@ -323,13 +338,13 @@ impl<'a> Bsdf<'a> {
     }
 
     /// The densities of all smooth events, times their unnormalised weights.
-    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], to_previous: Vec3, to_next: Vec3) -> f32 {
+    fn smooth_pdf(&self, weights: &[[f32; EVENTS]; MAX_PARTS], of: impl Fn(&Part, Event) -> f32) -> f32 {
         let mut pdf = 0.0;
         for (part, weights) in self.parts().iter().zip(weights) {
             for event in [Event::Diffuse, Event::Glossy] {
                 let weight = weights[event.index()];
                 if weight > 0.0 {
-                    pdf += weight * part.pdf(event, to_previous, to_next);
+                    pdf += weight * of(part, event);
                 }
             }
         }
@@ -358,6 +373,15 @@ impl Part<'_> {
         }
     }
 
+    /// The density with which this very path draws the direction.
+    #[inline]
+    fn drawn_pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+        match &self.model {
+            Model::RoughGlass(glass) => glass.drawn_pdf(event, self.turned(to_previous), self.turned(to_next)),
+            _ => self.pdf(event, to_previous, to_next),
+        }
+    }
+
     #[inline]
     fn turned(&self, direction: Vec3) -> Vec3 {
         if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }
@@ -378,10 +402,20 @@ impl Part<'_> {
         let (to_next, ior_ratio) = self.model.scatter().sample(event, local, u)?;
         let to_next = self.turned(to_next);
         if Lobes::DELTA.contains(event) {
-            let weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
-            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio });
+            let mut weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
+            if let Model::Glass(glass) = &self.model
+                && let Some((fan, lane)) = glass.followed(event, u)
+            {
+                weight = fan.followed(weight, lane);
+            }
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio: Spectrum::grey(ior_ratio) });
         }
         let (pdf, value) = smooth(to_next);
+        let ior_ratio = match &self.model {
+            Model::RoughGlass(glass) if ior_ratio != 1.0 => glass.ior_ratios(local),
+            _ => None,
+        }
+        .unwrap_or(Spectrum::grey(ior_ratio));
         (pdf > 0.0).then_some(Scattered { to_next, weight: value * (to_next.z.abs() / pdf), pdf, event, ior_ratio })
     }
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::{Event, Lobes, Scatter, Shares, diffuse, glass};
 use crate::math::fresnel;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Basis, Spectrum};
 
 /// A mix of diffuse reflection, mirror and refraction, on both sides (theory §3.5).
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,12 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
+    /// The same in the lanes of a pass.
+    pub(super) fn in_lanes(&self, basis: &Basis) -> Coefficients {
+        let [kd, ks, kt] = [self.kd, self.ks, self.kt].map(|share| basis.lanes(share));
+        Coefficients { kd, ks, kt, ..*self }
+    }
+
     /// The events that can happen.
     pub fn lobes(&self) -> Lobes {
         let mut lobes = Lobes::NONE;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::rough_conductor::conductor;
 use super::{Event, Scatter, Shares, glass};
 use crate::math::fresnel;
 use crate::spectrum::Spectrum;
@@ -40,9 +41,8 @@ impl Scatter for Mirror {
 
 impl Scatter for Conductor {
     fn shares(&self, to_previous: Vec3) -> Shares {
-        let ([er, eg, eb], [kr, kg, kb]) = (self.eta.to_rgb(), self.k.to_rgb());
-        let reflected = [(er, kr), (eg, kg), (eb, kb)].map(|(eta, k)| fresnel::conductor(to_previous.z, eta, k));
-        glass::delta_shares(Spectrum::from_rgb(reflected) * self.reflectance, Spectrum::ZERO)
+        let reflected = conductor(to_previous.z, self.eta, self.k);
+        glass::delta_shares(reflected * self.reflectance, Spectrum::ZERO)
     }
 
     fn sample(&self, _: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {

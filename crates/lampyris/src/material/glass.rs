@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Event, Scatter, Shares};
+use super::{Event, Fan, Scatter, Shares};
 use crate::math::fresnel::{self, Boundary};
 use crate::spectrum::Spectrum;
 
@@ -11,6 +11,8 @@ use crate::spectrum::Spectrum;
 pub struct Glass {
     /// Index of refraction below the normal over that above it.
     pub ior: f32,
+    /// The indices of the lanes, where they differ.
+    pub fan: Option<Fan>,
     /// Tint of the reflected light, 0 to 1.
     pub reflectance: Spectrum,
     /// Tint of the refracted light, 0 to 1.
@@ -30,12 +32,30 @@ pub struct ThinGlass {
 
 impl Scatter for Glass {
     fn shares(&self, to_previous: Vec3) -> Shares {
+        if let Some(fan) = &self.fan {
+            let reflected = fan.lanes(|ior| fresnel::dielectric(to_previous.z, ior).reflectance);
+            let refracted = reflected.map(|reflected| 1.0 - reflected);
+            return delta_shares(self.reflectance * reflected, self.transmittance * refracted);
+        }
         let reflected = fresnel::dielectric(to_previous.z, self.ior).reflectance;
         delta_shares(self.reflectance * reflected, self.transmittance * (1.0 - reflected))
     }
 
-    fn sample(&self, event: Event, to_previous: Vec3, _: Vec3) -> Option<(Vec3, f32)> {
-        delta_direction(event, to_previous, &fresnel::dielectric(to_previous.z, self.ior))
+    fn sample(&self, event: Event, to_previous: Vec3, u: Vec3) -> Option<(Vec3, f32)> {
+        let ior = match self.followed(event, u) {
+            Some((fan, lane)) => fan.iors[lane],
+            None => self.ior,
+        };
+        delta_direction(event, to_previous, &fresnel::dielectric(to_previous.z, ior))
+    }
+}
+
+impl Glass {
+    /// The lane that alone goes on, where the event is one in which the ways of the lanes part.
+    #[inline]
+    pub(super) fn followed(&self, event: Event, u: Vec3) -> Option<(&Fan, usize)> {
+        let fan = self.fan.as_ref().filter(|_| event == Event::Refraction)?;
+        Some((fan, fan.choose(u.x).0))
     }
 }
 

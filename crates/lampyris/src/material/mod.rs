@@ -7,6 +7,7 @@ mod diffuse;
 mod diffuse_transmission;
 mod event;
 mod glass;
+mod ior;
 mod microfacet;
 mod perturb;
 mod phong;
@@ -27,6 +28,7 @@ pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use event::{Event, Lobes};
 pub use glass::{Glass, ThinGlass};
+pub use ior::{Fan, Ior};
 pub use microfacet::{MicrofacetDistribution, Microfacets};
 pub use perturb::Slopes;
 pub use phong::Phong;
@@ -64,7 +66,7 @@ pub enum Material {
     /// See [`Glass`].
     Glass {
         /// Index below the normal over that above it.
-        ior: f32,
+        ior: Ior,
         /// Tint of the reflected light.
         reflectance: Texture,
         /// Tint of the refracted light.
@@ -117,7 +119,7 @@ pub enum Material {
     /// See [`RoughGlass`].
     RoughGlass {
         /// Index below the normal over that above it.
-        ior: f32,
+        ior: Ior,
         /// Tint of the reflected light.
         reflectance: Texture,
         /// Tint of the refracted light.
@@ -297,6 +299,14 @@ impl Materials {
         self.needs[id as usize].tangents
     }
 
+    /// Whether any material separates wavelengths.
+    pub fn disperse(&self) -> bool {
+        self.materials.iter().any(|material| match material {
+            Material::Glass { ior, .. } | Material::RoughGlass { ior, .. } => ior.disperses(),
+            _ => false,
+        })
+    }
+
     /// Whether any material has holes.
     pub fn have_holes(&self) -> bool {
         self.holes
@@ -360,56 +370,61 @@ impl Materials {
                 self.collect(*first, at, front, weight * (1.0 - share), flipped, bsdf);
                 return self.collect(*second, at, front, weight * share, flipped, bsdf);
             }
-            Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.at(at) }),
-            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.at(at) }),
+            Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.lanes(at) }),
+            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.lanes(at) }),
             Material::Glass { ior, reflectance, transmittance } => {
-                Model::Glass(Glass { ior: *ior, reflectance: reflectance.at(at), transmittance: transmittance.at(at) })
+                let (ior, fan) = ior.at(at);
+                let (reflectance, transmittance) = (reflectance.lanes(at), transmittance.lanes(at));
+                Model::Glass(Glass { ior, fan, reflectance, transmittance })
             }
             Material::ThinGlass { ior, reflectance, transmittance } => Model::ThinGlass(ThinGlass {
                 ior: *ior,
-                reflectance: reflectance.at(at),
-                transmittance: transmittance.at(at),
+                reflectance: reflectance.lanes(at),
+                transmittance: transmittance.lanes(at),
             }),
             Material::Conductor { eta, k, reflectance } => {
-                Model::Conductor(Conductor { eta: *eta, k: *k, reflectance: reflectance.at(at) })
+                let (eta, k) = (at.basis.lanes(*eta), at.basis.lanes(*k));
+                Model::Conductor(Conductor { eta, k, reflectance: reflectance.lanes(at) })
             }
-            Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => {
-                Model::Plastic(Plastic::new(reflectance.at(at), specular.at(at), *ior, *inner_reflectance, *nonlinear))
-            }
-            Material::Coefficients(coefficients) => Model::Coefficients(*coefficients),
+            Material::Plastic { reflectance, specular, ior, inner_reflectance, nonlinear } => Model::Plastic(
+                Plastic::new(reflectance.lanes(at), specular.lanes(at), *ior, *inner_reflectance, *nonlinear),
+            ),
+            Material::Coefficients(coefficients) => Model::Coefficients(coefficients.in_lanes(at.basis)),
             Material::RoughConductor { metal, reflectance, rough, white } => {
                 let facets = rough.at(at);
                 let white = white.as_ref().map(|table| table.row(facets.mean_alpha()));
-                Model::RoughConductor(RoughConductor { facets, metal, reflectance: reflectance.at(at), white })
+                let metal = metal.in_lanes(at.basis);
+                Model::RoughConductor(RoughConductor { facets, metal, reflectance: reflectance.lanes(at), white })
             }
             Material::RoughGlass { ior, reflectance, transmittance, rough, once } => {
                 let facets = rough.at(at);
                 let once = once.as_ref().map(|table| table.row(facets.mean_alpha()));
-                let (reflectance, transmittance) = (reflectance.at(at), transmittance.at(at));
-                Model::RoughGlass(RoughGlass { facets, ior: *ior, reflectance, transmittance, once })
+                let (reflectance, transmittance) = (reflectance.lanes(at), transmittance.lanes(at));
+                let (ior, fan) = ior.at(at);
+                Model::RoughGlass(RoughGlass { facets, ior, fan, reflectance, transmittance, once })
             }
             Material::RoughPlastic { reflectance, specular, ior, rough, coat, nonlinear } => {
                 let facets = rough.at(at);
                 let coat = coat.row(facets.mean_alpha());
-                let (reflectance, specular) = (reflectance.at(at), specular.at(at));
+                let (reflectance, specular) = (reflectance.lanes(at), specular.lanes(at));
                 Model::RoughPlastic(RoughPlastic::new(reflectance, specular, facets, *ior, coat, *nonlinear))
             }
             Material::RoughDiffuse { reflectance, alpha, fast } => {
-                Model::RoughDiffuse(RoughDiffuse::new(reflectance.at(at), alpha.at(at).mean(), *fast))
+                Model::RoughDiffuse(RoughDiffuse::new(reflectance.lanes(at), alpha.at(at).mean(), *fast))
             }
             Material::DiffuseTransmission { reflectance, transmittance } => {
-                let (reflectance, transmittance) = (reflectance.at(at), transmittance.at(at));
+                let (reflectance, transmittance) = (reflectance.lanes(at), transmittance.lanes(at));
                 Model::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance })
             }
             Material::Phong { diffuse, specular, exponent } => Model::Phong(Phong {
-                diffuse: diffuse.at(at),
-                specular: specular.at(at),
+                diffuse: diffuse.lanes(at),
+                specular: specular.lanes(at),
                 exponent: exponent.at(at).mean(),
             }),
             Material::Ward { variant, diffuse, specular, alpha } => Model::Ward(Ward {
                 variant: *variant,
-                diffuse: diffuse.at(at),
-                specular: specular.at(at),
+                diffuse: diffuse.lanes(at),
+                specular: specular.lanes(at),
                 alpha: Vec2::new(alpha[0].at(at).mean(), alpha[1].at(at).mean()).max(Vec2::splat(1e-4)),
             }),
             Material::Principled(textures) => Model::Principled(textures.at(at)),

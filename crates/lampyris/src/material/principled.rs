@@ -16,6 +16,8 @@ use crate::spectrum::Spectrum;
 pub struct Principled {
     /// The colour.
     pub base_color: Spectrum,
+    /// The luminance of the colour.
+    pub luminance: f32,
     /// Square root of α.
     pub roughness: f32,
     /// How much longer highlights are along y.
@@ -62,11 +64,16 @@ fn normal_reflectance(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
+/// The luminance of a colour in linear RGB.
+#[inline]
+pub(super) fn luminance(color: Spectrum) -> f32 {
+    let [r, g, b] = color.to_rgb();
+    0.212_671 * r + 0.715_16 * g + 0.072_169 * b
+}
+
 /// The colour at luminance 1; white where there is none.
 #[inline]
-fn tint(color: Spectrum) -> Spectrum {
-    let [r, g, b] = color.to_rgb();
-    let luminance = 0.212_671 * r + 0.715_16 * g + 0.072_169 * b;
+fn tint(color: Spectrum, luminance: f32) -> Spectrum {
     if luminance > 0.0 { color / luminance } else { Spectrum::ONE }
 }
 
@@ -100,11 +107,11 @@ fn diffuse_and_retro(roughness: f32, flatness: f32, previous: f32, next: f32, di
 
 /// Sheen: light at grazing angles between the directions.
 #[inline]
-fn sheen(amount: f32, tinted: f32, color: Spectrum, difference: f32) -> Spectrum {
+fn sheen(amount: f32, tinted: f32, (color, luminance): (Spectrum, f32), difference: f32) -> Spectrum {
     if amount == 0.0 {
         return Spectrum::ZERO;
     }
-    mix(Spectrum::ONE, tint(color), tinted) * (amount * schlick_weight(difference))
+    mix(Spectrum::ONE, tint(color, luminance), tinted) * (amount * schlick_weight(difference))
 }
 
 /// The clear coat's facets: Burley's distribution with the longest tails, GTR1, of this α.
@@ -162,7 +169,7 @@ impl Principled {
         }
         if self.spec_tint > 0.0 {
             let ratio = if cos >= 0.0 { self.eta } else { 1.0 / self.eta };
-            let normal = tint(self.base_color) * normal_reflectance(ratio);
+            let normal = tint(self.base_color, self.luminance) * normal_reflectance(ratio);
             reflected += schlick(normal, cos, self.eta) * ((1.0 - self.metallic) * self.spec_tint);
         }
         reflected
@@ -175,7 +182,8 @@ impl Principled {
             return Spectrum::ZERO;
         }
         let diffuse = diffuse_and_retro(self.roughness, self.flatness, previous, next, difference);
-        let sheen = sheen(self.sheen, self.sheen_tint, self.base_color, difference) * (1.0 - self.metallic);
+        let sheen =
+            sheen(self.sheen, self.sheen_tint, (self.base_color, self.luminance), difference) * (1.0 - self.metallic);
         self.base_color * (opaque * diffuse / PI) + sheen
     }
 
@@ -292,6 +300,8 @@ impl Scatter for Principled {
 pub struct PrincipledThin {
     /// The colour.
     pub base_color: Spectrum,
+    /// The luminance of the colour.
+    pub luminance: f32,
     /// Square root of α.
     pub roughness: f32,
     /// How much longer highlights are along y.
@@ -347,11 +357,12 @@ impl Scatter for PrincipledThin {
         }
         let mut reflected = Spectrum::grey(dielectric);
         if self.spec_tint > 0.0 {
-            let normal = tint(self.base_color) * normal_reflectance(self.eta);
+            let normal = tint(self.base_color, self.luminance) * normal_reflectance(self.eta);
             reflected = mix(reflected, schlick(normal, cos, self.eta), self.spec_tint);
         }
         let diffuse = diffuse_and_retro(self.roughness, self.flatness, a.z, b.z, cos);
-        let cloth = self.base_color * (diffuse / PI) + sheen(self.sheen, self.sheen_tint, self.base_color, cos);
+        let cloth = self.base_color * (diffuse / PI)
+            + sheen(self.sheen, self.sheen_tint, (self.base_color, self.luminance), cos);
         reflected * (self.spec_trans * clear) + cloth * (opaque * (1.0 - self.diff_trans))
     }
 

@@ -8,7 +8,7 @@ use super::diffuse::{self, above};
 use super::table::Row;
 use super::{Event, Microfacets, Scatter, Shares};
 use crate::math::fresnel;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Basis, Spectrum};
 
 /// A metal's complex index of refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,11 +32,16 @@ impl Metal {
         metal
     }
 
+    /// The same in the lanes of a pass: between red, green and blue, an index follows the curves of the primaries.
+    pub(super) fn in_lanes(&self, basis: &Basis) -> Metal {
+        let [eta, k, mean] = [self.eta, self.k, self.mean].map(|part| basis.lanes(part));
+        Metal { eta, k, mean }
+    }
+
     /// Share of the light that is reflected under this cosine.
     #[inline]
     pub fn reflectance(&self, cos: f32) -> Spectrum {
-        let ([er, eg, eb], [kr, kg, kb]) = (self.eta.to_rgb(), self.k.to_rgb());
-        Spectrum::from_rgb([(er, kr), (eg, kg), (eb, kb)].map(|(eta, k)| fresnel::conductor(cos, eta, k)))
+        conductor(cos, self.eta, self.k)
     }
 }
 
@@ -46,11 +51,21 @@ pub struct RoughConductor<'a> {
     /// How rough it is.
     pub facets: Microfacets,
     /// Of what.
-    pub metal: &'a Metal,
+    pub metal: Metal,
     /// Tint, 0 to 1.
     pub reflectance: Spectrum,
     /// What white facets reflect at once, to give back what they do not (theory §3.7).
     pub white: Option<&'a Row>,
+}
+
+/// [`fresnel::conductor`] by lane.
+#[inline]
+pub(super) fn conductor(cos: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    let ([e0, e1, e2, e3], [k0, k1, k2, k3]) = (eta.lanes(), k.lanes());
+    let [r, g, b] = [(e0, k0), (e1, k1), (e2, k2)].map(|(eta, k)| fresnel::conductor(cos, eta, k));
+    // In an RGB pass the last lane is green again.
+    let last = if (e3, k3) == (e1, k1) { g } else { fresnel::conductor(cos, e3, k3) };
+    Spectrum::from_lanes([r, g, b, last])
 }
 
 impl RoughConductor<'_> {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::diffuse;
 use super::microfacet::mirrored;
 use super::table::{Row, boundary};
-use super::{Event, Microfacets, Scatter, Shares};
+use super::{Event, Fan, Microfacets, Scatter, Shares};
 use crate::math::fresnel::{self, Boundary};
 use crate::math::warp;
 use crate::spectrum::Spectrum;
@@ -19,6 +19,8 @@ pub struct RoughGlass<'a> {
     pub facets: Microfacets,
     /// Index of refraction below the normal over that above it; not 1.
     pub ior: f32,
+    /// The indices of the lanes, where they differ.
+    pub fan: Option<Fan>,
     /// Tint of the reflected light, 0 to 1.
     pub reflectance: Spectrum,
     /// Tint of the refracted light, 0 to 1.
@@ -113,6 +115,34 @@ impl RoughGlass<'_> {
         if to_previous.z > 0.0 { self.ior } else { 1.0 / self.ior }
     }
 
+    /// The boundary as one lane has it.
+    fn lane(&self, fan: &Fan, lane: usize) -> RoughGlass<'_> {
+        RoughGlass { ior: fan.iors[lane], fan: None, ..*self }
+    }
+
+    /// The density over the facets of all lanes, each with this share.
+    fn mean_pdf(&self, fan: &Fan, shares: [f32; 4], to_previous: Vec3, to_next: Vec3) -> f32 {
+        let of_lane = |(lane, share)| match share {
+            0.0 => 0.0,
+            share => share * self.lane(fan, lane).pdf(Event::Glossy, to_previous, to_next),
+        };
+        shares.into_iter().enumerate().map(of_lane).sum()
+    }
+
+    /// The density with which this very path draws a direction. [`Scatter::pdf`], by which ways to find light are weighed
+    /// against each other, must not depend on what the path carries: others that find the same light carry something else.
+    pub(super) fn drawn_pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+        match &self.fan {
+            Some(fan) if event != Event::Diffuse => self.mean_pdf(fan, fan.chances, to_previous, to_next),
+            _ => self.pdf(event, to_previous, to_next),
+        }
+    }
+
+    /// Index of refraction on the far side over that on the near side, by lane.
+    pub(super) fn ior_ratios(&self, to_previous: Vec3) -> Option<Spectrum> {
+        self.fan.map(|fan| fan.lanes(|ior| if to_previous.z > 0.0 { ior } else { 1.0 / ior }))
+    }
+
     /// Value of the light that leaves after more than one facet.
     fn repeated(&self, both: &BothSides, to_previous: Vec3, to_next: Vec3) -> Spectrum {
         let from_above = to_previous.z > 0.0;
@@ -154,6 +184,10 @@ impl Scatter for RoughGlass<'_> {
     }
 
     fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        if let Some(fan) = &self.fan {
+            let value = |lane: usize| self.lane(fan, lane).eval(to_previous, to_next).only(lane);
+            return (0..4).fold(Spectrum::ZERO, |sum, lane| sum + value(lane));
+        }
         let repeated = self.once.map_or(Spectrum::ZERO, |both| self.repeated(both, to_previous, to_next));
         let Some(facet) = self.facet(to_previous, to_next) else { return repeated };
         let masking = self.facets.visible(to_previous, facet.normal) * self.facets.visible(to_next, facet.normal);
@@ -174,6 +208,9 @@ impl Scatter for RoughGlass<'_> {
             let share = if diffuse::same_side(to_previous, to_next) { 1.0 - through } else { through };
             return share * warp::cosine_hemisphere_pdf(to_next.z.abs());
         }
+        if let Some(fan) = &self.fan {
+            return self.mean_pdf(fan, [0.25; 4], to_previous, to_next);
+        }
         let Some(facet) = self.facet(to_previous, to_next) else { return 0.0 };
         let chance = self.chance(&facet.boundary);
         let chance = if facet.reflects { chance } else { 1.0 - chance };
@@ -185,6 +222,10 @@ impl Scatter for RoughGlass<'_> {
             let through = self.once?.through[usize::from(to_previous.z <= 0.0)];
             let same = diffuse::sample(to_previous, u.truncate());
             return Some(if u.z < through { (-same, self.ior_ratio(to_previous)) } else { (same, 1.0) });
+        }
+        if let Some(fan) = &self.fan {
+            let (lane, rest) = fan.choose(u.z);
+            return self.lane(fan, lane).sample(event, to_previous, u.truncate().extend(rest));
         }
         let normal = self.facets.sample(to_previous * to_previous.z.signum(), u.truncate());
         let boundary = fresnel::dielectric(to_previous.dot(normal), self.ior);

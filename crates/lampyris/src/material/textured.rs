@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use super::{MicrofacetDistribution, Microfacets, Principled, PrincipledThin};
+use super::{MicrofacetDistribution, Microfacets, Principled, PrincipledThin, principled};
 use crate::texture::{Lookup, Texture};
 
 /// How rough a boundary is, everywhere.
@@ -52,8 +52,10 @@ pub struct PrincipledTextures {
 
 impl PrincipledTextures {
     pub(super) fn at(&self, at: &Lookup) -> Principled {
+        let base_color = self.base_color.at(at);
         Principled {
-            base_color: self.base_color.at(at),
+            base_color: at.basis.lanes(base_color),
+            luminance: principled::luminance(base_color),
             roughness: self.roughness.at(at).mean(),
             anisotropic: self.anisotropic.at(at).mean(),
             metallic: self.metallic.at(at).mean(),
@@ -88,8 +90,10 @@ pub struct PrincipledThinTextures {
 
 impl PrincipledThinTextures {
     pub(super) fn at(&self, at: &Lookup) -> PrincipledThin {
+        let base_color = self.base_color.at(at);
         PrincipledThin {
-            base_color: self.base_color.at(at),
+            base_color: at.basis.lanes(base_color),
+            luminance: principled::luminance(base_color),
             roughness: self.roughness.at(at).mean(),
             anisotropic: self.anisotropic.at(at).mean(),
             spec_trans: self.spec_trans.at(at).mean(),

@@ -74,6 +74,15 @@ impl Sampler {
     }
 }
 
+/// The number of a pass, in [0, 1): those of all passes of a seed lie evenly, whichever of them there are so far, the radical
+/// inverse in base 2 with its digits scrambled by the seed.
+pub fn of_pass(seed: u64, pass: u32) -> f64 {
+    f64::from(pass.reverse_bits() ^ mix(seed ^ PASS) as u32) / 4_294_967_296.0
+}
+
+/// Sets the seeds of [`of_pass`] apart from all others.
+const PASS: u64 = 0xbb67_ae85_84ca_a73b;
+
 /// Sets the seeds of [`Sampler::even`] apart from those of [`Sampler::new`].
 const EVEN: u64 = 0x6a09_e667_f3bc_c908;
 
@@ -105,6 +114,16 @@ mod tests {
         assert_eq!(first(1, 2, 3, 4), first(1, 2, 3, 4));
         let others = [first(2, 2, 3, 4), first(1, 3, 3, 4), first(1, 2, 4, 4), first(1, 2, 3, 5)];
         assert!(others.iter().all(|&other| other != first(1, 2, 3, 4)));
+    }
+
+    #[test]
+    fn the_numbers_of_passes_fill_the_unit_evenly() {
+        for seed in 0..20 {
+            let mut places: Vec<usize> = (0..64).map(|pass| (of_pass(seed, pass) * 64.0) as usize).collect();
+            places.sort_unstable();
+            assert!(places.iter().copied().eq(0..64), "{places:?}");
+        }
+        assert!(of_pass(1, 0) != of_pass(2, 0));
     }
 
     #[test]

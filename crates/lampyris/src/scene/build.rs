@@ -9,6 +9,8 @@ mod materials;
 mod shapes;
 mod textures;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::description::{CameraDescription, IntegratorDescription, SceneDescription};
@@ -17,6 +19,7 @@ use crate::error::{Error, Result, Warning};
 use crate::geometry::{Bounds, Shape, Surfaces};
 use crate::light::{Light, World};
 use crate::observer::{Observer, Phase, Silent, Work};
+use crate::spectrum::Basis;
 
 /// A scene, with what its author should know of.
 #[derive(Debug)]
@@ -71,7 +74,17 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let lights = Lights::new(all, &surfaces);
     let materials = materials.finish();
-    Ok(Built { scene: Scene { surfaces, shapes: records, materials, lights, camera, meter }, warnings })
+    let scene = Scene {
+        surfaces: Arc::new(surfaces),
+        shapes: records.into(),
+        spectral: description.render.spectral.unwrap_or(materials.disperse()),
+        materials: Arc::new(materials),
+        lights: Arc::new(lights),
+        camera,
+        meter,
+        basis: Basis::Rgb,
+    };
+    Ok(Built { scene, warnings })
 }
 
 /// The number of the shape whose irradiance is measured in place of a picture.

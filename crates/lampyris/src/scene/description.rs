@@ -8,6 +8,7 @@ mod camera;
 mod color;
 mod film;
 mod integrator;
+mod ior;
 mod light;
 mod material;
 mod shape;
@@ -26,6 +27,7 @@ pub use integrator::{
     AutoSettings, BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings,
     PhotonMapSettings, Show,
 };
+pub use ior::{Ior, IorFormula};
 pub use light::{EnvironmentMapping, LightDescription};
 pub use material::{
     MaterialDescription, MaterialRef, MicrofacetDistribution, Principled, PrincipledThin, Roughness, WardVariant,

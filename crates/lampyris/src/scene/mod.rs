@@ -8,7 +8,9 @@ pub(crate) mod notation;
 pub mod schema;
 pub mod settings;
 
+use std::borrow::Cow;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
@@ -23,20 +25,24 @@ use crate::image::displayable;
 use crate::light::{Emission, Far, Illumination, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
 use crate::math::{Distribution, Frame, warp};
-use crate::sampler::Sampler;
-use crate::spectrum::Spectrum;
+use crate::sampler::{self, Sampler};
+use crate::spectrum::{Basis, Spectrum};
 use crate::texture::{Asks, Lookup};
 
-/// A scene ready for light: immutable, everything checked and linked by number.
-#[derive(Debug)]
+/// A scene ready for light: immutable, everything checked and linked by number. Copies share all that is large.
+#[derive(Clone, Debug)]
 pub struct Scene {
-    surfaces: Surfaces,
-    shapes: Vec<ShapeRecord>,
-    materials: Materials,
-    lights: Lights,
+    surfaces: Arc<Surfaces>,
+    shapes: Arc<[ShapeRecord]>,
+    materials: Arc<Materials>,
+    lights: Arc<Lights>,
     camera: Camera,
     /// The shape whose irradiance is measured in place of a picture.
     meter: Option<u32>,
+    /// Whether its passes have wavelengths.
+    spectral: bool,
+    /// What the lanes of all light in it are.
+    basis: Basis,
 }
 
 /// What a shape is besides its geometry.
@@ -204,6 +210,27 @@ impl SurfacePoint<'_> {
 }
 
 impl Scene {
+    /// The scene as a pass of a render with this seed sees it: where passes have wavelengths, with those of the pass, which
+    /// all its paths share, else as it is. What comes before all passes, such as a pilot, sees the scene without wavelengths.
+    pub fn of_pass(&self, seed: u64, pass: u32) -> Cow<'_, Scene> {
+        if !self.spectral {
+            return Cow::Borrowed(self);
+        }
+        let basis = Basis::wavelengths_at(sampler::of_pass(seed, pass));
+        Cow::Owned(Scene { basis, ..self.clone() })
+    }
+
+    /// Whether its passes have wavelengths.
+    pub fn is_spectral(&self) -> bool {
+        self.spectral
+    }
+
+    /// What the lanes of all light in it mean.
+    #[inline]
+    pub fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
     /// The first surface along the ray, as it is at that very point. Its scattering function is made in `bsdf`, as in
     /// [`Scene::closest_in_cone`].
     #[inline]
@@ -220,14 +247,27 @@ impl Scene {
         cone: Cone,
         bsdf: &'b mut Bsdf<'s>,
     ) -> Option<SurfacePoint<'b>> {
+        self.closest_carrying(ray, cone, Spectrum::ONE, bsdf)
+    }
+
+    /// [`Scene::closest_in_cone`], for a path that carries so much in each lane, up to a factor: a boundary that separates
+    /// wavelengths follows them as often as they are carried.
+    #[inline]
+    pub fn closest_carrying<'s, 'b>(
+        &'s self,
+        ray: &Ray,
+        cone: Cone,
+        carried: Spectrum,
+        bsdf: &'b mut Bsdf<'s>,
+    ) -> Option<SurfacePoint<'b>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
         let surface = self.surfaces.surface(ray, &hit);
         let to_previous = -ray.direction;
         let front = surface.shading_normal.dot(to_previous) > 0.0;
         let record = &self.shapes[hit.shape as usize];
         let lookup = match record.asks.is_none() {
-            true => Lookup::point(surface.uv),
-            false => self.lookup(record.asks, &hit, &surface, ray, cone),
+            true => Lookup { basis: &self.basis, carried, ..Lookup::point(surface.uv) },
+            false => Lookup { carried, ..self.lookup(record.asks, &hit, &surface, ray, cone) },
         };
         self.materials.make_bsdf(record.material, &lookup, front, bsdf);
         let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
@@ -243,9 +283,9 @@ impl Scene {
     /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's
     /// ellipse on the surface [Akenine-Möller et al. 2021], cut where the surface is seen edge-on, in texture coordinates
     /// by the mean of their density over all directions.
-    fn lookup(&self, asks: Asks, hit: &Hit, surface: &Surface, ray: &Ray, cone: Cone) -> Lookup {
+    fn lookup(&self, asks: Asks, hit: &Hit, surface: &Surface, ray: &Ray, cone: Cone) -> Lookup<'_> {
         const LEAST_COS: f32 = 0.125;
-        let mut lookup = Lookup::point(surface.uv);
+        let mut lookup = Lookup { basis: &self.basis, ..Lookup::point(surface.uv) };
         if asks.footprint {
             let (along_u, along_v) = self.surfaces.partials(hit, surface);
             let cos = surface.normal.dot(ray.direction).abs().max(LEAST_COS);
@@ -335,7 +375,7 @@ impl Scene {
         let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
         sampler.step(1);
         let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
-        let (flux, density) = (emission.flux / probability, emission.density * probability);
+        let (flux, density) = (self.basis.lanes(emission.flux / probability), emission.density * probability);
         Some((light as LightId, Emission { flux, density, ..emission }))
     }
 
@@ -345,7 +385,7 @@ impl Scene {
         let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
         let illumination = self.lights.all[light].emitter().illuminate(&self.surfaces, at, sampler)?;
         Some(Illumination {
-            irradiance: illumination.irradiance / probability,
+            irradiance: self.basis.lanes(illumination.irradiance / probability),
             pdf: illumination.pdf.map(|pdf| pdf * probability),
             emission: illumination.emission * self.lights.emission.probability(light) / probability,
             ..illumination
@@ -356,7 +396,9 @@ impl Scene {
     #[inline]
     pub fn emitted(&self, point: &SurfacePoint) -> Spectrum {
         match self.area_light(point.shape) {
-            Some((_, Light::Area(area))) => area.radiance(&point.surface, point.to_previous, point.footprint),
+            Some((_, Light::Area(area))) => {
+                self.basis.lanes(area.radiance(&point.surface, point.to_previous, point.footprint))
+            }
             _ => Spectrum::ZERO,
         }
     }
@@ -406,7 +448,7 @@ impl Scene {
     /// Radiance that arrives from infinitely far away.
     #[inline]
     pub fn background(&self, toward: Vec3) -> Spectrum {
-        self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward))
+        self.basis.lanes(self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward)))
     }
 
     /// Radiance that arrives from each light infinitely far away, with the density per solid angle with which
@@ -415,7 +457,8 @@ impl Scene {
     pub fn backgrounds(&self, toward: Vec3) -> impl Iterator<Item = (Spectrum, f32, f32)> {
         self.far_lights().map(move |(index, light)| {
             let pdf = self.lights.selection.probability(index) * light.pdf(toward);
-            (light.radiance(toward), pdf, self.lights.emission.probability(index) * light.emission(toward))
+            let emission = self.lights.emission.probability(index) * light.emission(toward);
+            (self.basis.lanes(light.radiance(toward)), pdf, emission)
         })
     }
 
@@ -423,7 +466,7 @@ impl Scene {
         self.lights.far.iter().filter_map(|&index| Some((index, self.lights.all[index].far()?)))
     }
 
-    /// Flux in W of all lights together.
+    /// Flux in W of all lights together, in linear RGB.
     pub fn power(&self) -> Spectrum {
         self.lights.all.iter().fold(Spectrum::ZERO, |sum, light| sum + light.emitter().power(&self.surfaces))
     }

@@ -92,7 +92,7 @@ impl Reader<'_> {
                 DeValue::Table(read.into_iter().flatten().collect())
             }
             (Form::Tagged(tagged), DeValue::Table(table)) => self.tagged(&tagged, path, &span, table)?,
-            (Form::NameOr(thing), table @ DeValue::Table(_)) => {
+            (Form::NameOr(thing) | Form::Ior(thing), table @ DeValue::Table(_)) => {
                 return self.value(thing, path, Spanned::new(span, table));
             }
             (Form::Step(steps), DeValue::Table(table)) => self.step(&steps, path, &span, table)?,

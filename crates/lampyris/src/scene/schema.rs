@@ -118,6 +118,8 @@ pub(crate) enum Form<'s> {
     Word(Vec<&'s str>),
     Color,
     Paint,
+    /// A number, the name of a substance, or one of these formulas.
+    Ior(Node<'s>),
 }
 
 /// The keys of a table.
@@ -167,6 +169,7 @@ impl<'s> Node<'s> {
         }
         if let Some(choices) = schema["anyOf"].as_array() {
             return match choices.iter().find(|choice| choice.get("$ref").is_some()) {
+                Some(formula) if name == "Ior" => Form::Ior(self.at(formula)),
                 Some(thing) => Form::NameOr(self.at(thing)),
                 None => Form::OneOrThree,
             };
@@ -281,7 +284,9 @@ mod tests {
                 shared.chain(own).collect()
             }
             Form::Step(steps) => steps.iter().map(|(key, node)| (format!("{path}.{key}"), *node)).collect(),
-            Form::Named(item) | Form::NameOr(item) | Form::List(item, _) => vec![(path.to_string(), item)],
+            Form::Named(item) | Form::NameOr(item) | Form::Ior(item) | Form::List(item, _) => {
+                vec![(path.to_string(), item)]
+            }
             _ => Vec::new(),
         };
         for (path, node) in below {

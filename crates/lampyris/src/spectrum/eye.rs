@@ -63,11 +63,17 @@ pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     TO_RGB.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
 }
 
+/// Linear RGB of light of one wavelength (nm), as the matching functions have it.
+pub(super) fn channels(wavelength: f64) -> [f64; 3] {
+    xyz_to_rgb(matching(wavelength))
+}
+
 fn matching(wavelength: f64) -> [f64; 3] {
     [0, 1, 2].map(|channel| between(|index| MATCHING.get(index).map(|row| row[channel]), (wavelength - FIRST) / 5.0))
 }
 
-fn daylight(wavelength: f64) -> f64 {
+/// The relative power of D65 at a wavelength in nm.
+pub(super) fn daylight(wavelength: f64) -> f64 {
     between(|index| D65.get(index).copied(), (wavelength - FIRST) / 10.0)
 }
 

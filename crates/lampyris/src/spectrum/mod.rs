@@ -4,15 +4,22 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
 use glam::Vec4;
 
+mod basis;
+mod curves;
 pub mod eye;
+mod index;
 pub mod metals;
 mod observer;
 mod srgb;
+mod substances;
 
+pub use basis::Basis;
+pub use index::{Dispersion, FRAUNHOFER_C, FRAUNHOFER_D, FRAUNHOFER_F};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 
-/// Four numbers that multiply and add lane by lane. In an RGB pass the lanes are linear red, green, blue and nothing;
-/// in a spectral pass they will be four wavelengths. What a value means (flux, radiance, reflectance) its name says.
+/// Four numbers that multiply and add lane by lane. In an RGB pass the lanes are linear red, green, blue, and green once
+/// more, so that whatever is done to all four is right for three; in a spectral pass they are four wavelengths, of which
+/// the scene's [`Basis`] tells. What a value means (flux, radiance, reflectance) its name says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrum(Vec4);
 
@@ -20,19 +27,29 @@ impl Spectrum {
     /// No light.
     pub const ZERO: Spectrum = Spectrum(Vec4::ZERO);
     /// White light of 1, or perfect reflectance.
-    pub const ONE: Spectrum = Spectrum(Vec4::new(1.0, 1.0, 1.0, 0.0));
+    pub const ONE: Spectrum = Spectrum(Vec4::ONE);
 
     /// From linear RGB.
     pub fn from_rgb([r, g, b]: [f32; 3]) -> Spectrum {
-        Spectrum(Vec4::new(r, g, b, 0.0))
+        Spectrum(Vec4::new(r, g, b, g))
     }
 
-    /// As linear RGB.
+    /// From four lanes.
+    pub fn from_lanes(lanes: [f32; 4]) -> Spectrum {
+        Spectrum(Vec4::from_array(lanes))
+    }
+
+    /// The four lanes.
+    pub fn lanes(self) -> [f32; 4] {
+        self.0.to_array()
+    }
+
+    /// As linear RGB, if that is what the lanes are; see [`Basis::to_rgb`] for all passes.
     pub fn to_rgb(self) -> [f32; 3] {
         self.0.truncate().to_array()
     }
 
-    /// The same value in all lanes that carry light.
+    /// The same value in all lanes.
     pub fn grey(value: f32) -> Spectrum {
         Spectrum::ONE * value
     }
@@ -42,7 +59,7 @@ impl Spectrum {
         self.0.max_element()
     }
 
-    /// The mean of the lanes that carry light.
+    /// The mean of red, green and blue, if that is what the lanes are.
     pub fn mean(self) -> f32 {
         (self.0.x + self.0.y + self.0.z) / 3.0
     }
@@ -60,8 +77,15 @@ impl Spectrum {
     /// Each lane changed by `change`.
     #[must_use]
     pub fn map(self, change: impl Fn(f32) -> f32) -> Spectrum {
-        let [r, g, b] = self.to_rgb();
-        Spectrum::from_rgb([change(r), change(g), change(b)])
+        Spectrum::from_lanes(self.lanes().map(change))
+    }
+
+    /// One lane, and nothing in the others.
+    #[must_use]
+    pub fn only(self, lane: usize) -> Spectrum {
+        let mut lanes = [0.0; 4];
+        lanes[lane] = self.lanes()[lane];
+        Spectrum::from_lanes(lanes)
     }
 
     /// Lane by lane division where the divisor is not zero.
@@ -112,6 +136,14 @@ impl MulAssign<f32> for Spectrum {
     #[inline]
     fn mul_assign(&mut self, factor: f32) {
         self.0 *= factor;
+    }
+}
+
+impl Div for Spectrum {
+    type Output = Spectrum;
+    #[inline]
+    fn div(self, other: Spectrum) -> Spectrum {
+        Spectrum(self.0 / other.0)
     }
 }
 

@@ -16,7 +16,7 @@ pub use checkerboard::Checkerboard;
 pub use pyramid::Pyramid;
 pub use raster::{Curve, Raster, Texels};
 
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Basis, Spectrum};
 
 /// A colour at every point of a surface.
 #[derive(Clone, Debug)]
@@ -41,19 +41,24 @@ pub enum Texture {
 
 /// What a texture is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lookup {
+pub struct Lookup<'a> {
     /// Texture coordinates.
     pub uv: Vec2,
     /// The colour that the vertices around the point give it; white without such colours.
     pub vertex_color: Spectrum,
     /// Across what the ray sees there, in texture coordinates; 0 for a point.
     pub footprint: f32,
+    /// What the lanes of the pass are.
+    pub basis: &'a Basis,
+    /// What the path that looks carries in each lane, up to a factor.
+    pub carried: Spectrum,
 }
 
-impl Lookup {
-    /// At a point without extent or vertex colour.
-    pub fn point(uv: Vec2) -> Lookup {
-        Lookup { uv, vertex_color: Spectrum::ONE, footprint: 0.0 }
+impl Lookup<'_> {
+    /// At a point without extent or vertex colour, in an RGB pass.
+    pub fn point(uv: Vec2) -> Lookup<'static> {
+        let (vertex_color, carried) = (Spectrum::ONE, Spectrum::ONE);
+        Lookup { uv, vertex_color, footprint: 0.0, basis: &Basis::Rgb, carried }
     }
 }
 
@@ -113,7 +118,13 @@ impl Texture {
         }
     }
 
-    /// The colour there.
+    /// The colour there, in the lanes of the pass.
+    #[inline]
+    pub fn lanes(&self, lookup: &Lookup) -> Spectrum {
+        lookup.basis.lanes(self.at(lookup))
+    }
+
+    /// The colour there, in linear RGB.
     #[inline]
     pub fn at(&self, lookup: &Lookup) -> Spectrum {
         match self {

@@ -30,7 +30,9 @@ impl Rivals {
             return Rivals(smooth * point.geometric_cos(scattered.to_next) / (on * scattered.pdf));
         }
         // Both walks choose the event alike; what refraction does to the solid angle is undone on the way back, but for
-        // the indices: cos dω n² is the same on both sides.
-        Rivals(at * point.geometric_cos(point.to_previous) / (scattered.ior_ratio * scattered.ior_ratio))
+        // the indices: cos dω n² is the same on both sides. A smooth boundary has sent one wavelength on, and its index is
+        // that of all lanes.
+        let [ior_ratio, ..] = scattered.ior_ratio.lanes();
+        Rivals(at * point.geometric_cos(point.to_previous) / (ior_ratio * ior_ratio))
     }
 }

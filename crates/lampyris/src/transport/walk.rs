@@ -5,6 +5,7 @@ use crate::light::{Emission, LightId};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
 
 /// What is done along a path, and where the path may go on.
 pub trait Visitor {
@@ -77,7 +78,7 @@ pub fn walk<V: Visitor>(
     let mut bsdf = Bsdf::default();
     loop {
         rays += 1;
-        let Some(point) = scene.closest_in_cone(&path.ray, path.cone, &mut bsdf) else {
+        let Some(point) = scene.closest_carrying(&path.ray, path.cone, path.throughput, &mut bsdf) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
@@ -136,7 +137,8 @@ impl PathState {
         match origin {
             // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].
             Origin::Camera => {
-                self.throughput *= point.unshadowed(scattered.to_next) / (scattered.ior_ratio * scattered.ior_ratio);
+                let unshadowed = Spectrum::grey(point.unshadowed(scattered.to_next));
+                self.throughput = self.throughput * (unshadowed / (scattered.ior_ratio * scattered.ior_ratio));
             }
             // The adjoint of a BSDF that reckons with a shading normal [Veach 1997, eq. 5.17].
             Origin::Light => {
@@ -145,7 +147,7 @@ impl PathState {
                     / point.geometric_over_shading(point.to_previous).max(1e-3);
             }
         }
-        self.ior *= scattered.ior_ratio;
+        self.ior *= scattered.ior_ratio.lanes()[0];
         // Mirrors and glass keep the cone, as if they were flat.
         if Lobes::SMOOTH.contains(scattered.event) {
             self.cone = self.cone.scattered();

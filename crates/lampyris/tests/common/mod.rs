@@ -98,7 +98,9 @@ impl Lit {
         let (film, seed) = (&description.film, description.render.seed);
         let integrator = lampyris::integrator::integrator(scene, film, &description.integrator, seed, &Silent);
         (0..passes)
-            .map(|index| integrator.expose(scene, film, &Pass { index, seed }, Layers::NONE, &Silent).image)
+            .map(|index| {
+                integrator.expose(&scene.of_pass(seed, index), film, &Pass { index, seed }, Layers::NONE, &Silent).image
+            })
             .collect()
     }
 

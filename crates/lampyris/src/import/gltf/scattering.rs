@@ -8,7 +8,8 @@ use super::extensions::{Specular, SpecularGlossiness, Volume};
 use super::surface::{inline, share};
 use crate::error::Result;
 use crate::scene::description::{
-    Channel, Color, MaterialDescription, Paint, Principled, PrincipledThin, Roughness, TextureDescription,
+    Channel, Color, Ior, IorFormula, MaterialDescription, Paint, Principled, PrincipledThin, Roughness,
+    TextureDescription,
 };
 
 /// Reflectance at normal incidence and index of refraction that `principled` still takes.
@@ -33,6 +34,30 @@ impl Importer<'_> {
         name: &str,
         path: &str,
     ) -> Result<MaterialDescription> {
+        let scattering = self.of_all_wavelengths(material, has_colors, name, path)?;
+        let dispersion = material.extensions.dispersion.as_ref().map_or(0.0, |extension| extension.dispersion);
+        if dispersion.is_nan() || dispersion <= 0.0 {
+            return Ok(scattering);
+        }
+        match scattering {
+            MaterialDescription::Glass { ior: Ior::Number(d), exterior_ior, reflectance, transmittance, roughness } => {
+                let ior = Ior::Formula(IorFormula::Abbe([d, 20.0 / dispersion]));
+                Ok(MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance, roughness })
+            }
+            other => {
+                self.warn(path, "KHR_materials_dispersion is passed over: only a body of clear glass disperses light");
+                Ok(other)
+            }
+        }
+    }
+
+    fn of_all_wavelengths(
+        &mut self,
+        material: &Material,
+        has_colors: bool,
+        name: &str,
+        path: &str,
+    ) -> Result<MaterialDescription> {
         let core = match &material.extensions.specular_glossiness {
             Some(old) => self.specular_glossiness(old, name, path)?,
             None => self.metallic_roughness(material, name, path)?,
@@ -48,9 +73,6 @@ impl Importer<'_> {
         }
         if extensions.iridescence.as_ref().is_some_and(|extension| extension.iridescence_factor > 0.0) {
             self.warn(path, "KHR_materials_iridescence is approximated by the surface without its film");
-        }
-        if extensions.dispersion.as_ref().is_some_and(|extension| extension.dispersion > 0.0) {
-            self.warn(path, "KHR_materials_dispersion is passed over: there is no spectral rendering yet");
         }
         let transmission = match &extensions.transmission {
             Some(extension) => {
@@ -197,7 +219,7 @@ impl Importer<'_> {
         };
         // The facets of a rough boundary without a change of index have no direction.
         let ior = if roughness.is_some() { core.eta.max(SMALLEST_ETA) } else { core.eta };
-        let (exterior_ior, reflectance) = (1.0, Paint::grey(1.0));
+        let (ior, exterior_ior, reflectance) = (ior.into(), 1.0.into(), Paint::grey(1.0));
         Ok(MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance: base_color, roughness })
     }
 

@@ -161,8 +161,8 @@ impl Importer<'_> {
             "conductor" => self.conductor(statement, ["eta", "k", "reflectance"], "", 1.0)?,
             "coatedconductor" => self.coated_conductor(statement)?,
             "dielectric" => MaterialDescription::Glass {
-                ior: self.ior(statement, &["eta"], 1.5)?,
-                exterior_ior: 1.0,
+                ior: self.dispersion(statement, &["eta"], 1.5)?,
+                exterior_ior: 1.0.into(),
                 reflectance: Paint::grey(1.0),
                 transmittance: Paint::grey(1.0),
                 roughness: self.roughness(statement, "", 0.0)?,

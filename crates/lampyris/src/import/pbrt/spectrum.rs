@@ -2,26 +2,28 @@
 
 use std::path::Path;
 
-use super::super::spectrum::{Role, Spectrum, to_rgb};
+use super::super::spectrum::{Role, Spectrum, to_rgb, value_at};
 use super::super::{named, value};
 use super::Importer;
 use super::statement::{Parameter, Statement, Values};
 use crate::error::{Result, did_you_mean};
+use crate::scene::description::{Ior, IorFormula};
 use crate::spectrum::eye::xyz_to_rgb;
+use crate::spectrum::{Dispersion, FRAUNHOFER_C, FRAUNHOFER_D, FRAUNHOFER_F};
 
-/// Glasses by pbrt's names: index of refraction at 587.6 nm, from their makers' catalogues.
-const GLASSES: [(&str, f32); 10] = [
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
+/// Glasses by pbrt's names, and by ours.
+const GLASSES: [(&str, &str); 10] = [
+    ("glass-BK7", "bk7"),
+    ("glass-BAF10", "baf10"),
+    ("glass-FK51A", "fk51a"),
+    ("glass-LASF9", "lasf9"),
     // pbrt's F5, F10 and F11 hold the data of SF5, SF10 and SF11.
-    ("glass-F5", 1.6727),
-    ("glass-F10", 1.7283),
-    ("glass-F11", 1.7847),
-    ("glass-SF5", 1.6727),
-    ("glass-SF10", 1.7283),
-    ("glass-SF11", 1.7847),
+    ("glass-F5", "sf5"),
+    ("glass-F10", "sf10"),
+    ("glass-F11", "sf11"),
+    ("glass-SF5", "sf5"),
+    ("glass-SF10", "sf10"),
+    ("glass-SF11", "sf11"),
 ];
 
 /// Standard illuminants that RGB or a black body stands for: correlated colour temperature in kelvin (CIE 15).
@@ -94,8 +96,8 @@ impl Importer<'_> {
         if let Some(found) = metal(text) {
             return Ok(found.map(f64::from));
         }
-        if let Some((_, ior)) = GLASSES.iter().find(|(known, _)| *known == text) {
-            return Ok([f64::from(*ior); 3]);
+        if let Some(dispersion) = substance(text).and_then(Dispersion::of_substance) {
+            return Ok([dispersion.at_d(); 3]);
         }
         if text == "stdillum-D65" {
             return Ok([1.0; 3]);
@@ -147,6 +149,24 @@ impl Importer<'_> {
         }
     }
 
+    /// An index of refraction that may depend on the wavelength: a number, a glass, or a spectrum, of which Cauchy's formula
+    /// keeps the index and the Abbe number.
+    pub(super) fn dispersion(&mut self, statement: &Statement, names: &[&'static str], default: f32) -> Result<Ior> {
+        let parameter = names.iter().find(|name| statement.has(name)).and_then(|name| statement.parameter(name));
+        let found = match parameter.map(|parameter| (parameter.kind.as_str(), &parameter.values)) {
+            Some(("spectrum", Values::Texts(texts))) => texts.first().and_then(|text| glass(text)),
+            Some(("spectrum", Values::Numbers(numbers))) => of_pairs(numbers),
+            _ => None,
+        };
+        match found {
+            Some(ior) => {
+                statement.ignore(names);
+                Ok(ior)
+            }
+            None => Ok(self.ior(statement, names, default)?.into()),
+        }
+    }
+
     /// An index of refraction: a number, a glass, or a spectrum, which becomes its green.
     pub(super) fn ior(&mut self, statement: &Statement, names: &[&'static str], default: f32) -> Result<f32> {
         let Some(name) = names.iter().find(|name| statement.has(name)) else {
@@ -162,10 +182,27 @@ impl Importer<'_> {
         let ior = self.color(statement, name, Role::Surface)?.map_or(default, |rgb| rgb[1] as f32);
         if kind == "spectrum" {
             let spot = statement.spot_of(name);
-            self.warn(spot, format!("dispersion is not supported: all colours are refracted by {ior}"));
+            self.warn(spot, format!("this disperses nothing here: all colours are refracted by {ior}"));
         }
         Ok(ior)
     }
+}
+
+/// Our name for one of pbrt's glasses.
+fn substance(text: &str) -> Option<&'static str> {
+    GLASSES.iter().find(|(known, _)| *known == text).map(|(_, substance)| *substance)
+}
+
+/// The index of one of pbrt's glasses.
+fn glass(text: &str) -> Option<Ior> {
+    substance(text).map(|substance| Ior::Substance(substance.to_string()))
+}
+
+/// Cauchy's formula with the index and the Abbe number of a spectrum of pairs; none where red is refracted more than blue.
+fn of_pairs(numbers: &[f64]) -> Option<Ior> {
+    let pairs = numbers.len().is_multiple_of(2).then(|| value::rising(pairs(numbers)).ok())??;
+    let [f, d, c] = [FRAUNHOFER_F, FRAUNHOFER_D, FRAUNHOFER_C].map(|line| value_at(&pairs, line));
+    (d > 1.0 && f > c && c > 1.0).then(|| Ior::Formula(IorFormula::Abbe([d as f32, ((d - 1.0) / (f - c)) as f32])))
 }
 
 /// The real or imaginary part of the index of one of pbrt's metals.

@@ -38,8 +38,8 @@ impl Importer<'_> {
             "matte" => self.diffuse(statement, "Kd", 0.5)?,
             "mirror" => MaterialDescription::Mirror { reflectance: self.paint(statement, "Kr", 0.9)? },
             "glass" => MaterialDescription::Glass {
-                ior: self.ior(statement, &["eta", "index"], 1.5)?,
-                exterior_ior: 1.0,
+                ior: self.dispersion(statement, &["eta", "index"], 1.5)?,
+                exterior_ior: 1.0.into(),
                 reflectance: self.paint(statement, "Kr", 1.0)?,
                 transmittance: self.paint(statement, "Kt", 1.0)?,
                 roughness: self.roughness(statement, "", 0.0)?,
@@ -133,8 +133,8 @@ impl Importer<'_> {
         };
         let material = if !is_black("Kt", true) {
             MaterialDescription::Glass {
-                ior: self.ior(statement, &["eta", "index"], 1.5)?,
-                exterior_ior: 1.0,
+                ior: self.dispersion(statement, &["eta", "index"], 1.5)?,
+                exterior_ior: 1.0.into(),
                 reflectance: self.paint(statement, "Kr", 1.0)?,
                 transmittance: self.paint(statement, "Kt", 0.0)?,
                 roughness: None,

@@ -79,7 +79,7 @@ fn a_material_may_stand_in_place_and_nest() {
     let MaterialDescription::TwoSided { front: MaterialRef::Inline(front), back } = &**material else {
         panic!("two sides");
     };
-    assert!(matches!(**front, MaterialDescription::Glass { ior: 2.0, .. }));
+    assert!(matches!(**front, MaterialDescription::Glass { ior: Ior::Number(2.0), .. }));
     assert_eq!(*back, Some(MaterialRef::Named("x".into())));
 }
 
@@ -175,6 +175,29 @@ fn a_missing_type_lists_the_types() {
 fn a_material_without_type_is_a_fault_of_the_material() {
     let error = read_str(Path::new("s.toml"), "materials.red = { reflectance = 1 }").expect_err("no type");
     assert!(error.to_string().starts_with("s.toml:1:17: a material without 'type'; the types are diffuse, mirror"));
+}
+
+#[test]
+fn an_index_of_refraction_is_a_number_a_name_or_a_formula() {
+    let read = |ior: &str| {
+        let glass = format!("materials.clear = {{ type = 'glass', ior = {ior} }}\n");
+        match scene(&glass).materials.remove("clear") {
+            Some(MaterialDescription::Glass { ior, .. }) => ior,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(read("2"), Ior::Number(2.0));
+    assert_eq!(read("'sf11'"), Ior::Substance("sf11".into()));
+    assert_eq!(read("{ cauchy = [1.5, 0.004] }"), Ior::Formula(IorFormula::Cauchy([1.5, 0.004])));
+    let terms = [1.0, 0.2, 1.0, 0.006, 0.02, 100.0];
+    assert_eq!(read("{ sellmeier = [1, 0.2, 1, 0.006, 0.02, 100] }"), Ior::Formula(IorFormula::Sellmeier(terms)));
+    let fault = |ior: &str, expected: &str| {
+        fails(&format!("[materials.a]\ntype = 'glass'\nior = {ior}\n"), &format!("s.toml:3:{expected}"));
+    };
+    let formulas = "a table with one of the keys 'sellmeier', 'cauchy' or 'abbe'";
+    fault("true", &format!("7: 'ior' must be a number, the name of a substance, or {formulas}, not true"));
+    fault("{ cauhcy = [1, 2] }", "9: unknown key 'cauhcy' in ior; did you mean 'cauchy'?");
+    fault("{ abbe = [1.5] }", "16: 'abbe' must be a list of 2 numbers, not 1");
 }
 
 #[test]

@@ -8,14 +8,15 @@ use super::textures::Quantity;
 use super::{check, textures};
 use crate::error::{Error, Result, did_you_mean};
 use crate::material::{
-    BothSides, Coat, Coefficients, MAX_PARTS, Material, MaterialId, Materials, Metal, Microfacets, Plastic,
+    BothSides, Coat, Coefficients, Ior, MAX_PARTS, Material, MaterialId, Materials, Metal, Microfacets, Plastic,
     PrincipledTextures, PrincipledThinTextures, RoughTextures, Table, white_reflection,
 };
 use crate::scene::Assets;
 use crate::scene::description::{
-    Color, MaterialDescription, MaterialRef, Paint, Principled, PrincipledThin, Roughness, SceneDescription,
+    self, Color, IorFormula, MaterialDescription, MaterialRef, Paint, Principled, PrincipledThin, Roughness,
+    SceneDescription,
 };
-use crate::spectrum::{Spectrum, metals};
+use crate::spectrum::{Dispersion, Spectrum, metals};
 use crate::texture::{Asks, Texture};
 
 /// Named materials can be made of named materials, so deep.
@@ -120,7 +121,7 @@ impl<'d> Builder<'d> {
             }
             MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance, roughness: None } => {
                 Material::Glass {
-                    ior: ratio(*ior, *exterior_ior)?,
+                    ior: boundary(ior, exterior_ior)?,
                     reflectance: self.paint("reflectance", reflectance)?,
                     transmittance: self.paint("transmittance", transmittance)?,
                 }
@@ -137,7 +138,7 @@ impl<'d> Builder<'d> {
                 transmittance,
                 roughness: Some(roughness),
             } => {
-                let ior = ratio(*ior, *exterior_ior)?;
+                let ior = boundary(ior, exterior_ior)?;
                 let reflectance = self.paint("reflectance", reflectance)?;
                 let transmittance = self.paint("transmittance", transmittance)?;
                 self.rough_glass(ior, reflectance, transmittance, roughness)
@@ -256,19 +257,20 @@ impl<'d> Builder<'d> {
 
     fn rough_glass(
         &mut self,
-        ior: f32,
+        ior: Ior,
         reflectance: Texture,
         transmittance: Texture,
         roughness: &'d Roughness,
     ) -> Result<Material> {
         let (rough, alpha) = self.rough(roughness)?;
         // Between equal substances there is nothing to be rough, and no facet that could be found from two directions.
-        if (ior - 1.0).abs() < 1e-4 {
+        let at_d = ior.at_d();
+        if (at_d - 1.0).abs() < 1e-4 {
             return Ok(Material::Glass { ior, reflectance, transmittance });
         }
         let facets = |alpha: f32| Microfacets::new(roughness.distribution, Vec2::splat(alpha));
         let once =
-            roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| BothSides::new(&facets(alpha), ior)));
+            roughness.multiple_scattering.then(|| Table::new(alpha, |alpha| BothSides::new(&facets(alpha), at_d)));
         Ok(Material::RoughGlass { ior, reflectance, transmittance, rough, once })
     }
 
@@ -374,6 +376,50 @@ fn not_one(ior: f32, transmits: bool) -> f32 {
 /// Index inside over index outside.
 fn ratio(interior: f32, exterior: f32) -> Result<f32> {
     Ok(check::above_zero("ior", interior)? / check::above_zero("exterior-ior", exterior)?)
+}
+
+/// The index of a boundary between two substances.
+fn boundary(interior: &description::Ior, exterior: &description::Ior) -> Result<Ior> {
+    if let (description::Ior::Number(interior), description::Ior::Number(exterior)) = (interior, exterior) {
+        return Ok(ratio(*interior, *exterior)?.into());
+    }
+    Ok(Ior::new(dispersion("ior", interior)?, dispersion("exterior-ior", exterior)?))
+}
+
+/// The index of refraction of a substance over the wavelength.
+fn dispersion(key: &str, ior: &description::Ior) -> Result<Dispersion> {
+    let dispersion = match ior {
+        description::Ior::Number(number) => return Ok(Dispersion::None(check::above_zero(key, *number)?.into())),
+        description::Ior::Substance(name) => {
+            return Dispersion::of_substance(name).ok_or_else(|| {
+                let error = Error::at_key(key, format!("no substance named '{name}' is known"));
+                let known: Vec<&str> = Dispersion::substances().collect();
+                match did_you_mean(name, known.iter().copied()) {
+                    Some(near) => error.with_hint(format!("did you mean '{near}'?")),
+                    None => error.with_hint(format!("known are {}; or give a formula", known.join(", "))),
+                }
+            });
+        }
+        description::Ior::Formula(IorFormula::Sellmeier([b1, b2, b3, c1, c2, c3])) => {
+            let terms = [[b1, c1], [b2, c2], [b3, c3], [&0.0; 2]];
+            Dispersion::Sellmeier(terms.map(|term| term.map(|number| f64::from(*number))))
+        }
+        description::Ior::Formula(IorFormula::Cauchy(terms)) => Dispersion::Cauchy(terms.map(f64::from)),
+        description::Ior::Formula(IorFormula::Abbe([d, number])) => {
+            check::above_zero(key, *number)?;
+            Dispersion::of_abbe(f64::from(*d), f64::from(*number))
+        }
+    };
+    // A resonance among the colours, or numbers of another unit.
+    let odd = (380..=780).find(|&nanometres| !(0.1..10.0).contains(&dispersion.at(nanometres.into())));
+    match odd {
+        None => Ok(dispersion),
+        Some(nanometres) => {
+            let index = dispersion.at(nanometres.into());
+            Err(Error::at_key(key, format!("{key} is {index} at {nanometres} nm, which is no index of refraction"))
+                .with_hint("formulas have the wavelength in µm, and C in µm²"))
+        }
+    }
 }
 
 fn coefficients(kd: Color, ks: Color, kt: Color, ior: f32, fresnel: bool) -> Result<Coefficients> {

@@ -77,4 +77,6 @@ pub struct RenderDescription {
     pub passes: Option<u32>,
     /// Seed of all random numbers; 0 by default.
     pub seed: u64,
+    /// Whether light has wavelengths in place of red, green and blue; by default where a material separates them.
+    pub spectral: Option<bool>,
 }

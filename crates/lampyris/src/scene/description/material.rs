@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Color, Paint, one};
+use super::{Color, Ior, Paint, one};
 pub use crate::material::{MicrofacetDistribution, WardVariant};
 
 /// A material written in place or the name of one in `materials`.
@@ -38,12 +38,12 @@ pub enum MaterialDescription {
     /// A boundary between two clear substances, with Fresnel; the normal points to the outside.
     #[serde(rename_all = "kebab-case")]
     Glass {
-        /// Index of refraction inside (default 1.5).
-        #[serde(default = "glass_ior")]
-        ior: f32,
+        /// Index of refraction inside (default 1.5): a number, the name of a substance, or a formula over the wavelength.
+        #[serde(default = "Ior::glass")]
+        ior: Ior,
         /// Index of refraction outside (default 1).
-        #[serde(default = "one")]
-        exterior_ior: f32,
+        #[serde(default = "Ior::one")]
+        exterior_ior: Ior,
         /// Tint of the reflected light (default 1).
         #[serde(default = "Paint::one")]
         reflectance: Paint,

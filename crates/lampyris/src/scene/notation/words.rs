@@ -8,11 +8,14 @@ use crate::scene::schema::Form;
 /// Whether a value without parts, or a colour, has the form.
 pub(super) fn fits(form: &Form<'_>, value: &DeValue<'_>) -> bool {
     match (form, value) {
-        (Form::Number | Form::OneOrThree | Form::Color | Form::Paint, DeValue::Integer(_) | DeValue::Float(_)) => {
-            is_number(value)
-        }
+        (
+            Form::Number | Form::OneOrThree | Form::Color | Form::Paint | Form::Ior(_),
+            DeValue::Integer(_) | DeValue::Float(_),
+        ) => is_number(value),
         (Form::Whole(most), DeValue::Integer(number)) => whole(number).is_some_and(|number| number <= *most),
-        (Form::Boolean, DeValue::Boolean(_)) | (Form::Text | Form::NameOr(_), DeValue::String(_)) => true,
+        (Form::Boolean, DeValue::Boolean(_)) | (Form::Text | Form::NameOr(_) | Form::Ior(_), DeValue::String(_)) => {
+            true
+        }
         (Form::Word(words), DeValue::String(word)) => words.contains(&&**word),
         (Form::Paint, DeValue::String(name)) if !name.starts_with('#') => true,
         (Form::Color | Form::Paint, DeValue::String(hex)) => hex.starts_with('#') && Color::from_hex(hex).is_some(),
@@ -66,6 +69,7 @@ pub(super) fn expected(form: &Form<'_>) -> String {
         Form::Text => "a text".into(),
         Form::Word(words) => quoted(words, "or"),
         Form::Color => "a number, three numbers, or \"#rrggbb\"".into(),
+        Form::Ior(formula) => format!("a number, the name of a substance, or {}", expected(&formula.form())),
         Form::Paint => "a number, three numbers, \"#rrggbb\", or the name of a texture".into(),
     }
 }

@@ -68,7 +68,7 @@ fn entries(node: Node<'_>, value: &Value) -> Option<Vec<Entry>> {
         (Form::Named(item), Value::Object(names)) => {
             names.iter().map(|(name, value)| Some((key(name), inline(item, value)?))).collect()
         }
-        (Form::NameOr(thing), Value::Object(_)) => entries(thing, value),
+        (Form::NameOr(thing) | Form::Ior(thing), Value::Object(_)) => entries(thing, value),
         (_, Value::Object(keys)) => keys.iter().map(|(name, value)| Some((key(name), plain(value)?))).collect(),
         _ => None,
     }
@@ -175,6 +175,7 @@ mod tests {
                      board = { type = 'checkerboard', color0 = 'wood', color1 = [0.1, 0.2, 0.3] } }
         materials = { floor = { type = 'two-sided', front = { type = 'plastic', reflectance = 'board' } },
                       shiny = { type = 'principled', metallic = 1, base-color = [0.9, 0.6, 0.1] },
+                      flint = { type = 'glass', ior = { abbe = [1.7847, 25.8] }, exterior-ior = 'water' },
                       gold = { type = 'conductor', metal = 'Au', roughness = { alpha = 0.2 } } }
         groups = { pair = [{ type = 'sphere', material = 'gold' }, { type = 'cube', material = { type = 'mirror' } }] }
         lights = [{ type = 'sky', sun-direction = [1, 1, 0] }, { type = 'point', position = [0, 1, 0], power = 3 }]

@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn no_passes_are_no_picture() {
-        let render = RenderDescription { passes: Some(0), seed: 0 };
+        let render = RenderDescription { passes: Some(0), ..RenderDescription::default() };
         let scene = SceneDescription { render, ..Default::default() };
         fails(&scene, "render.passes", "'passes' must be at least 1");
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::description::{Channel, Color, Paint, TextureDescription, TextureFilter, Wrap};
+use crate::scene::description::{Channel, Color, Ior, IorFormula, Paint, TextureDescription, TextureFilter, Wrap};
 
 /// The triangle with this material, and a texture of a picture beside it.
 fn with_material(material: Value) -> Imported {
@@ -84,6 +84,22 @@ fn a_smooth_clear_body_is_glass_tinted_for_its_thickness() {
     // Over a way of 2, 0.25²; half of the way is told of at each of two boundaries.
     assert_eq!(*transmittance, Paint::Color(Color([0.25, 1.0, 1.0])));
     assert!(messages(&imported)[0].contains("absorption"), "{:?}", messages(&imported));
+}
+
+#[test]
+fn a_clear_body_disperses_by_its_abbe_number() {
+    let imported = with_material(json!({
+        "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
+        "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_ior": { "ior": 2.42 },
+            "KHR_materials_volume": { "thicknessFactor": 1 },
+            "KHR_materials_dispersion": { "dispersion": 0.36 }
+        }
+    }));
+    let MaterialDescription::Glass { ior, .. } = material(&imported) else { panic!("{:?}", material(&imported)) };
+    assert_eq!(*ior, Ior::Formula(IorFormula::Abbe([2.42, 20.0 / 0.36])));
+    assert!(messages(&imported).iter().all(|message| !message.contains("dispersion")), "{:?}", messages(&imported));
 }
 
 #[test]

@@ -30,8 +30,8 @@ impl Importer<'_> {
 
     pub(super) fn dielectric(&mut self, query: Query, rough: bool) -> Result<MaterialDescription> {
         Ok(MaterialDescription::Glass {
-            ior: ior(query, "int_ior", "bk7")?,
-            exterior_ior: ior(query, "ext_ior", "air")?,
+            ior: ior(query, "int_ior", "bk7")?.into(),
+            exterior_ior: ior(query, "ext_ior", "air")?.into(),
             reflectance: self.paint(query, "specular_reflectance", Role::Surface, 1.0)?,
             transmittance: self.paint(query, "specular_transmittance", Role::Surface, 1.0)?,
             roughness: self.roughness(query, rough)?,

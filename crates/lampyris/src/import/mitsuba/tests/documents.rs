@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::description::GeometryDescription;
+use crate::scene::description::{GeometryDescription, Ior};
 
 fn size(imported: &Imported) -> [u32; 2] {
     imported.description.film.size
@@ -226,7 +226,10 @@ fn names_of_the_old_version_are_in_camel_case() {
     let shape = &imported.description.shapes[0];
     assert!(matches!(shape.geometry, GeometryDescription::Mesh { face_normals: true, .. }));
     assert_eq!(shape.transform.0.w_axis.x, 1.0);
-    assert!(matches!(inner(shape.material.as_ref().expect("glass")), MaterialDescription::Glass { ior: 1.7, .. }));
+    assert!(matches!(
+        inner(shape.material.as_ref().expect("glass")),
+        MaterialDescription::Glass { ior: Ior::Number(1.7), .. }
+    ));
     // In version 3 they are not known.
     assert_eq!(scene(content).expect("valid").warnings.len(), 3);
 }

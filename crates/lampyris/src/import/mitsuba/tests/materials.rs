@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::description::{Color, MicrofacetDistribution, Roughness, TextureDescription, WardVariant};
+use crate::scene::description::{Color, Ior, MicrofacetDistribution, Roughness, TextureDescription, WardVariant};
 
 fn roughness_of(material: MaterialDescription) -> Roughness {
     match material {
@@ -229,7 +229,9 @@ fn filters_of_polarised_light_let_half_or_all_pass() {
 #[test]
 fn glass_and_polarised_plastic_are_taken_for_what_they_mean() {
     let (material, warning) = approximated("<bsdf type='glass'><float name='int_ior' value='1.3'/></bsdf>");
-    assert!(matches!(material, MaterialDescription::Glass { ior: 1.3, .. }) && warning.contains("'glass'"));
+    assert!(
+        matches!(material, MaterialDescription::Glass { ior: Ior::Number(1.3), .. }) && warning.contains("'glass'")
+    );
     let (material, _) = approximated("<bsdf type='pplastic'><float name='alpha' value='0.3'/></bsdf>");
     let MaterialDescription::TwoSided { front, .. } = material else { panic!("not black from behind") };
     assert_eq!(roughness_of(inner(&front).clone()).alpha, Paint::grey(0.3));

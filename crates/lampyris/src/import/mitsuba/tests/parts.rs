@@ -1,6 +1,6 @@
 use super::*;
 use crate::scene::description::{
-    Color, FilterDescription, FovAxis, GeometryDescription, IntegratorDescription, LightDescription, Paint,
+    Color, FilterDescription, FovAxis, GeometryDescription, IntegratorDescription, Ior, LightDescription, Paint,
     TextureDescription,
 };
 
@@ -195,7 +195,10 @@ fn an_old_mixture_is_a_chain_of_blends() {
 fn substances_have_names() {
     let glass =
         |inside: &str| material(&format!("<bsdf type='dielectric'><string name='int_ior' value='{inside}'/></bsdf>"));
-    assert!(matches!(glass("water"), MaterialDescription::Glass { ior: 1.333, exterior_ior: 1.000277, .. }));
+    assert!(matches!(
+        glass("water"),
+        MaterialDescription::Glass { ior: Ior::Number(1.333), exterior_ior: Ior::Number(1.000277), .. }
+    ));
     assert!(matches!(material("<bsdf type='thindielectric'/>"), MaterialDescription::ThinGlass { ior: 1.5046, .. }));
     let error =
         fault("<shape type='cube'><bsdf type='dielectric'><string name='int_ior' value='diamont'/></bsdf></shape>");

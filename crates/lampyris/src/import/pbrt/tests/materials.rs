@@ -1,7 +1,7 @@
 //! Materials and textures.
 
 use super::*;
-use crate::scene::description::{Color, Paint, TextureDescription, TextureFilter, Wrap};
+use crate::scene::description::{Color, Ior, IorFormula, Paint, TextureDescription, TextureFilter, Wrap};
 
 fn roughness(material: &MaterialDescription) -> Option<(Paint, Option<Paint>)> {
     let roughness = match material {
@@ -90,10 +90,21 @@ fn metals_go_by_name_number_or_reflectance() {
 }
 
 #[test]
-fn glasses_go_by_name_and_say_that_they_do_not_disperse() {
-    let (glass, messages) = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
-    assert!(matches!(glass, MaterialDescription::Glass { ior, .. } if (ior - 1.5168).abs() < 1e-4));
-    assert!(messages[0].contains("dispersion is not supported"));
+fn glasses_go_by_name_and_disperse() {
+    let ior = |text: &str| match quiet(&format!("Material \"dielectric\" \"spectrum eta\" {text}")) {
+        MaterialDescription::Glass { ior, .. } => ior,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(ior("\"glass-BK7\""), Ior::Substance("bk7".into()));
+    assert_eq!(ior("\"glass-F11\""), Ior::Substance("sf11".into()));
+    let Ior::Formula(IorFormula::Abbe([d, number])) = ior("[400 1.54 500 1.53 600 1.52 700 1.51]") else {
+        panic!("a formula")
+    };
+    assert!((d - 1.521_244).abs() < 1e-5 && (number - 0.521_244 / 0.017_014).abs() < 0.01, "{d} {number}");
+    let (plastic, messages) = material("Material \"coateddiffuse\" \"spectrum eta\" \"glass-BK7\"");
+    let MaterialDescription::TwoSided { front, .. } = &plastic else { panic!("{plastic:?}") };
+    assert!(matches!(inner(front), MaterialDescription::Plastic { ior, .. } if (ior - 1.5168).abs() < 1e-4));
+    assert!(messages[0].contains("disperses nothing"), "{messages:?}");
     let thin = quiet("Material \"thindielectric\" \"float eta\" 1.3");
     assert!(matches!(thin, MaterialDescription::ThinGlass { ior, .. } if ior == 1.3));
 }
