@@ -41,7 +41,7 @@ struct Pilot {
 /// On the first surface, the radius is so large that it typically holds this many photons, but never less or more than
 /// so many pixels; and on all further ones, where what it blurs is not seen, this many.
 const FIRST_COUNT: usize = 20;
-const FIRST_PIXELS: [f32; 2] = [2.0, 10.0];
+const FIRST_PIXELS: [f32; 2] = [2.0, 5.0];
 const FURTHER_COUNT: usize = 5;
 
 /// Light paths a pass for each pixel; and no less and no more than so many.

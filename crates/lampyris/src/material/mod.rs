@@ -237,11 +237,28 @@ pub struct Materials {
     holes: bool,
 }
 
-/// What a material asks of a surface besides its texture coordinates.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a material asks of a surface besides its texture coordinates, and of a [`Bsdf`].
+#[derive(Clone, Copy, Debug)]
 struct Needs {
     tangents: bool,
     holes: bool,
+    parts: usize,
+}
+
+impl Needs {
+    /// Of a material that stands for itself.
+    fn of_one(tangents: bool) -> Needs {
+        Needs { tangents, holes: false, parts: 1 }
+    }
+
+    /// Of what is either one or the other.
+    fn either(self, other: Needs) -> Needs {
+        Needs {
+            tangents: self.tangents || other.tangents,
+            holes: self.holes || other.holes,
+            parts: self.parts.max(other.parts),
+        }
+    }
 }
 
 impl Materials {
@@ -256,21 +273,23 @@ impl Materials {
 
     fn needs(&self, material: &Material) -> Needs {
         let of = |id: &MaterialId| self.needs[*id as usize];
-        let both = |a: Needs, b: Needs| Needs { tangents: a.tangents || b.tangents, holes: a.holes || b.holes };
         match material {
-            Material::TwoSided { front, back } => both(of(front), of(back)),
-            Material::Blend { first, second, .. } => both(of(first), of(second)),
-            Material::Mask { material, .. } => Needs { holes: true, ..of(material) },
+            Material::TwoSided { front, back } => of(front).either(of(back)),
+            Material::Blend { first, second, .. } => {
+                Needs { parts: of(first).parts + of(second).parts, ..of(first).either(of(second)) }
+            }
+            Material::Mask { material, .. } => {
+                let of = of(material);
+                Needs { holes: true, parts: of.parts + 1, ..of }
+            }
             Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => {
                 Needs { tangents: true, ..of(material) }
             }
             Material::RoughConductor { rough, .. }
             | Material::RoughGlass { rough, .. }
-            | Material::RoughPlastic { rough, .. } => Needs { tangents: rough.is_anisotropic(), ..Needs::default() },
-            Material::Ward { .. } | Material::Principled(_) | Material::PrincipledThin(_) => {
-                Needs { tangents: true, ..Needs::default() }
-            }
-            _ => Needs::default(),
+            | Material::RoughPlastic { rough, .. } => Needs::of_one(rough.is_anisotropic()),
+            Material::Ward { .. } | Material::Principled(_) | Material::PrincipledThin(_) => Needs::of_one(true),
+            _ => Needs::of_one(false),
         }
     }
 
@@ -305,13 +324,7 @@ impl Materials {
 
     /// How many parts the [`Bsdf`] of a material has at most.
     pub fn parts(&self, id: MaterialId) -> usize {
-        match &self.materials[id as usize] {
-            Material::TwoSided { front, back } => self.parts(*front).max(self.parts(*back)),
-            Material::Mask { material, .. } => self.parts(*material) + 1,
-            Material::NormalMap { material, .. } | Material::BumpMap { material, .. } => self.parts(*material),
-            Material::Blend { first, second, .. } => self.parts(*first) + self.parts(*second),
-            _ => 1,
-        }
+        self.needs[id as usize].parts
     }
 
     /// What the material is at a point, seen from the side of the normal (`front`) or the other one. Looks all
