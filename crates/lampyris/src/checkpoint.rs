@@ -36,6 +36,8 @@ pub struct Identity {
     /// Of all but camera and settings.
     scene: Fingerprint,
     seed: u64,
+    /// Whether light was made to have wavelengths, or not to.
+    spectral: Option<bool>,
     integrator: Value,
     film: Value,
     camera: Value,
@@ -58,6 +60,7 @@ impl Identity {
             version: env!("CARGO_PKG_VERSION").into(),
             scene,
             seed: description.render.seed,
+            spectral: description.render.spectral,
             integrator: value(serde_json::to_value(&description.integrator)),
             film: value(serde_json::to_value(&description.film)),
             camera: value(serde_json::to_value(&description.camera)),
@@ -71,6 +74,10 @@ impl Identity {
         }
         if self.seed != other.seed {
             return Some(format!("of seed {} instead of {}", other.seed, self.seed));
+        }
+        let word = |spectral: Option<bool>| spectral.map_or(Value::Null, Value::Bool);
+        if let Some(difference) = difference("render.spectral", &word(self.spectral), &word(other.spectral)) {
+            return Some(difference);
         }
         let parts = [
             ("integrator", &self.integrator, &other.integrator),
@@ -322,6 +329,10 @@ mod tests {
             (
                 "integrator = { type = 'photon-map', alpha = 0.7, k = 9 }",
                 "of another integrator.photon-map.k: 9 instead of 50",
+            ),
+            (
+                "integrator = { type = 'photon-map', alpha = 0.7 }\nrender = { spectral = true }",
+                "of another render.spectral: true instead of none",
             ),
             (
                 "integrator = { type = 'photon-map', alpha = 0.7 }\nlights = [{ type = 'constant', radiance = 1 }]",

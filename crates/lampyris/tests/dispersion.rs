@@ -205,7 +205,7 @@ fn what_happens_to_four_wavelengths_together_happens_to_each_alone() {
         // From outside, and from inside near the critical angle, beyond which some wavelengths are reflected all.
         for to_previous in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.515, 0.0, -0.857).normalize()] {
             let sums = |carried: Spectrum| {
-                let at = Lookup { basis: scene.basis(), carried, ..Lookup::point(Vec2::ZERO) };
+                let at = Lookup { basis: scene.basis(), carried: &carried, ..Lookup::point(Vec2::ZERO) };
                 let bsdf = scene.materials().bsdf(id, &at, to_previous.z > 0.0);
                 let mut values: [[Vec<f64>; 4]; 4] = Default::default();
                 for index in 0..tries {

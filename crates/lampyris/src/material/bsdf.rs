@@ -288,8 +288,11 @@ impl<'a> Bsdf<'a> {
     /// One event out of those that may be followed, with a direction; none if nothing can be followed. What absorbs
     /// light is the roulette of the walk, not this choice.
     pub fn sample(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
-        let mut scattered = self.draw(to_previous, follow, sampler)?;
-        if self.separates && Lobes::SMOOTH.contains(scattered.event) {
+        if !self.separates {
+            return self.draw::<false>(to_previous, follow, sampler);
+        }
+        let mut scattered = self.draw::<true>(to_previous, follow, sampler)?;
+        if Lobes::SMOOTH.contains(scattered.event) {
             scattered.pdf = self.pdf(to_previous, scattered.to_next, follow);
         }
         Some(scattered)
@@ -297,12 +300,17 @@ impl<'a> Bsdf<'a> {
 
     /// [`Bsdf::sample`], with the density with which the direction was drawn indeed.
     #[inline]
-    fn draw(&self, to_previous: Vec3, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
+    fn draw<const SEPARATES: bool>(
+        &self,
+        to_previous: Vec3,
+        follow: Lobes,
+        sampler: &mut Sampler,
+    ) -> Option<Scattered> {
         if let Some((part, event)) = self.only(follow) {
             let rest = sampler.uniform();
             let u = numbers(rest, sampler);
             return part.follow(event, 1.0, to_previous, u, |to_next| {
-                (part.drawn_pdf(event, to_previous, to_next), part.eval(to_previous, to_next))
+                (part.drawn_pdf::<SEPARATES>(event, to_previous, to_next), part.eval(to_previous, to_next))
             });
         }
         let weights = self.weights(to_previous, follow);
@@ -310,7 +318,7 @@ impl<'a> Bsdf<'a> {
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
         let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
         part.follow(event, probability, to_previous, numbers(rest, sampler), |to_next| {
-            let pdf = self.smooth_pdf(&weights, |part, event| part.drawn_pdf(event, to_previous, to_next));
+            let pdf = self.smooth_pdf(&weights, |part, event| part.drawn_pdf::<SEPARATES>(event, to_previous, to_next));
             (pdf / total, self.eval(to_previous, to_next))
         })
     }
@@ -375,9 +383,11 @@ impl Part<'_> {
 
     /// The density with which this very path draws the direction.
     #[inline]
-    fn drawn_pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
+    fn drawn_pdf<const SEPARATES: bool>(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {
         match &self.model {
-            Model::RoughGlass(glass) => glass.drawn_pdf(event, self.turned(to_previous), self.turned(to_next)),
+            Model::RoughGlass(glass) if SEPARATES => {
+                glass.drawn_pdf(event, self.turned(to_previous), self.turned(to_next))
+            }
             _ => self.pdf(event, to_previous, to_next),
         }
     }

@@ -32,7 +32,7 @@ impl Ior {
     #[inline]
     pub(super) fn at(&self, at: &Lookup) -> (f32, Option<Fan>) {
         match at.basis.nanometres() {
-            Some(nanometres) if self.disperses() => self.fan(nanometres, at.carried),
+            Some(nanometres) if self.disperses() => self.fan(nanometres, *at.carried),
             _ => (self.at_d, None),
         }
     }
@@ -125,7 +125,7 @@ mod tests {
         let basis = Basis::wavelengths_at(0.5);
         let Some(nanometres) = basis.nanometres() else { panic!("four wavelengths") };
         for (lane, nanometres) in nanometres.into_iter().enumerate() {
-            let at = Lookup { basis: &basis, carried: (Spectrum::ONE * 0.3).only(lane), ..Lookup::point(Vec2::ZERO) };
+            let at = Lookup { basis: &basis, carried: &(Spectrum::ONE * 0.3).only(lane), ..Lookup::point(Vec2::ZERO) };
             let exact = Dispersion::of_substance("sf11").expect("sf11").at(nanometres.into()) as f32;
             let (_, fan) = glass().at(&at);
             let fan = fan.expect("the glass disperses");
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn lanes_are_chosen_as_often_as_they_are_carried() {
-        let carried = Spectrum::from_lanes([0.1, 0.0, 0.3, 0.6]);
+        let carried = &Spectrum::from_lanes([0.1, 0.0, 0.3, 0.6]);
         let basis = Basis::wavelengths_at(0.5);
         let (_, fan) = glass().at(&Lookup { basis: &basis, carried, ..Lookup::point(Vec2::ZERO) });
         let fan = fan.expect("several lanes");

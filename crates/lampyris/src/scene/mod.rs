@@ -247,7 +247,7 @@ impl Scene {
         cone: Cone,
         bsdf: &'b mut Bsdf<'s>,
     ) -> Option<SurfacePoint<'b>> {
-        self.closest_carrying(ray, cone, Spectrum::ONE, bsdf)
+        self.closest_carrying(ray, cone, &Spectrum::ONE, bsdf)
     }
 
     /// [`Scene::closest_in_cone`], for a path that carries so much in each lane, up to a factor: a boundary that separates
@@ -257,7 +257,7 @@ impl Scene {
         &'s self,
         ray: &Ray,
         cone: Cone,
-        carried: Spectrum,
+        carried: &Spectrum,
         bsdf: &'b mut Bsdf<'s>,
     ) -> Option<SurfacePoint<'b>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
@@ -395,6 +395,11 @@ impl Scene {
     /// Radiance that a surface emits back along the path that reached it.
     #[inline]
     pub fn emitted(&self, point: &SurfacePoint) -> Spectrum {
+        // Most surfaces do not.
+        if self.shapes[point.shape as usize].light.is_none() { Spectrum::ZERO } else { self.emitted_by_lamp(point) }
+    }
+
+    fn emitted_by_lamp(&self, point: &SurfacePoint) -> Spectrum {
         match self.area_light(point.shape) {
             Some((_, Light::Area(area))) => {
                 self.basis.lanes(area.radiance(&point.surface, point.to_previous, point.footprint))

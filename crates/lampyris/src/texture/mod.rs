@@ -51,14 +51,13 @@ pub struct Lookup<'a> {
     /// What the lanes of the pass are.
     pub basis: &'a Basis,
     /// What the path that looks carries in each lane, up to a factor.
-    pub carried: Spectrum,
+    pub carried: &'a Spectrum,
 }
 
 impl Lookup<'_> {
     /// At a point without extent or vertex colour, in an RGB pass.
     pub fn point(uv: Vec2) -> Lookup<'static> {
-        let (vertex_color, carried) = (Spectrum::ONE, Spectrum::ONE);
-        Lookup { uv, vertex_color, footprint: 0.0, basis: &Basis::Rgb, carried }
+        Lookup { uv, vertex_color: Spectrum::ONE, footprint: 0.0, basis: &Basis::Rgb, carried: &Spectrum::ONE }
     }
 }
 

@@ -78,7 +78,7 @@ pub fn walk<V: Visitor>(
     let mut bsdf = Bsdf::default();
     loop {
         rays += 1;
-        let Some(point) = scene.closest_carrying(&path.ray, path.cone, path.throughput, &mut bsdf) else {
+        let Some(point) = scene.closest_carrying(&path.ray, path.cone, &path.throughput, &mut bsdf) else {
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
