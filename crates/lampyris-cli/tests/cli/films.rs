@@ -151,44 +151,62 @@ fn wait_for_films(folder: &Folder, child: &mut Child, count: u64) {
 
 #[test]
 fn a_render_that_is_killed_again_and_again_gives_the_same_bits() {
-    const KILLS: u32 = 40;
-    const PASSES: u32 = 400;
+    const ENOUGH: u32 = 10;
     for way in ["--integrator path --set filter=tent", "--integrator photon-map", "--integrator auto"] {
         let folder = Folder::with_scene(SCENE);
-        let render = format!("render scene.toml -q -o a.npy --checkpoint-every 1ms --passes {PASSES} {way}");
+        folder.run(&format!("render scene.toml -q -o straight.npy --passes {PASSES} {way}"));
         let mut moments = Moments(7);
-        let (mut kills, mut kept) = (0, 0);
-        loop {
-            let film = if folder.path("a.film").exists() { "--resume a.film" } else { "--checkpoint a.film" };
-            let mut child = Command::new(program())
-                .current_dir(folder.path(""))
-                .args(render.split_whitespace().chain(film.split_whitespace()))
-                .stderr(Stdio::null())
-                .spawn()
-                .expect("it runs");
-            if kills < KILLS {
-                wait_for_films(&folder, &mut child, moments.below(4));
-                // Into the next pass, or the writing of its film.
-                let moment = Instant::now() + Duration::from_micros(moments.below(4000));
-                while Instant::now() < moment {}
-                kills += u32::from(child.try_wait().expect("a child").is_none());
-                child.kill().expect("SIGKILL, or it has ended");
-            }
-            let status = child.wait().expect("it ends");
-            if folder.path("a.film").exists() {
-                // Always whole, and never less than before.
-                let (told, _) = folder.run("merge a.film -o now.npy");
-                let passes: u32 = told.split(' ').next().and_then(|count| count.parse().ok()).expect("a number");
-                assert!(passes >= kept && told.ends_with(&format!(": 0..{passes}\n")), "{told} after {kept}");
-                kept = passes;
-            }
-            if status.success() {
+        let mut kills = 0;
+        // On a busy machine a render may be over before it is killed often enough: then once more.
+        for _ in 0..100 {
+            kills += killed_render(&folder, way, &mut moments);
+            assert!(folder.read("a.npy") == folder.read("straight.npy"), "{way}");
+            if kills >= ENOUGH {
                 break;
             }
         }
-        assert!(kills >= 10, "only {kills} in the middle of {way}");
-        assert_eq!(kept, PASSES);
-        folder.run(&format!("render scene.toml -q -o straight.npy --passes {PASSES} {way}"));
-        assert!(folder.read("a.npy") == folder.read("straight.npy"), "{way}");
+        assert!(kills >= ENOUGH, "only {kills} in the middle of {way}");
+    }
+}
+
+const PASSES: u32 = 400;
+
+/// Renders `a.npy`, killed and resumed until it is whole; returns how often it was killed.
+fn killed_render(folder: &Folder, way: &str, moments: &mut Moments) -> u32 {
+    const KILLS: u32 = 40;
+    let render = format!("render scene.toml -q -o a.npy --checkpoint-every 1ms --passes {PASSES} {way}");
+    let (mut kills, mut kept) = (0, 0);
+    let exists = || folder.path("a.film").exists();
+    if exists() {
+        std::fs::remove_file(folder.path("a.film")).expect("the film of the last time");
+    }
+    loop {
+        let film = if exists() { "--resume a.film" } else { "--checkpoint a.film" };
+        let mut child = Command::new(program())
+            .current_dir(folder.path(""))
+            .args(render.split_whitespace().chain(film.split_whitespace()))
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("it runs");
+        if kills < KILLS {
+            wait_for_films(folder, &mut child, moments.below(4));
+            // Into the next pass, or the writing of its film.
+            let moment = Instant::now() + Duration::from_micros(moments.below(4000));
+            while Instant::now() < moment {}
+            kills += u32::from(child.try_wait().expect("a child").is_none());
+            child.kill().expect("SIGKILL, or it has ended");
+        }
+        let status = child.wait().expect("it ends");
+        if exists() {
+            // Always whole, and never less than before.
+            let (told, _) = folder.run("merge a.film -o now.npy");
+            let passes: u32 = told.split(' ').next().and_then(|count| count.parse().ok()).expect("a number");
+            assert!(passes >= kept && told.ends_with(&format!(": 0..{passes}\n")), "{told} after {kept}");
+            kept = passes;
+        }
+        if status.success() {
+            assert_eq!(kept, PASSES);
+            return kills;
+        }
     }
 }
