@@ -5,6 +5,7 @@ mod build;
 pub mod description;
 mod fingerprint;
 pub(crate) mod notation;
+mod point;
 pub mod schema;
 pub mod settings;
 
@@ -18,12 +19,13 @@ pub use assets::{Assets, NoAssets};
 pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 pub use fingerprint::{Fingerprint, NotedAssets};
+pub use point::SurfacePoint;
 
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
 use crate::light::{Emission, Far, Illumination, Light, LightId, Source};
-use crate::material::{Bsdf, Event, Lobes, MaterialId, Materials, Scattered, Slopes};
+use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::{self, Sampler};
 use crate::spectrum::{Basis, Spectrum};
@@ -68,145 +70,6 @@ struct Lights {
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
     selection: Distribution,
-}
-
-/// A point that a path has reached.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint<'s> {
-    /// The geometry there.
-    pub surface: Surface,
-    /// Around the normal that shading uses, turned by the material's maps.
-    pub frame: Frame,
-    /// How rough maps make the surface as a whole: α² of facets that lean as much as the normal does here, 0 without maps.
-    pub lean: f32,
-    /// The scattering there.
-    pub bsdf: &'s Bsdf<'s>,
-    /// Back along the path, world coordinates, unit length.
-    pub to_previous: Vec3,
-    /// The same in the coordinates of `frame`.
-    local_previous: Vec3,
-    /// Along the segment that led here, scene units.
-    pub distance: f32,
-    /// The number of the shape.
-    pub shape: u32,
-    /// Across what the path sees there, in texture coordinates, where a texture of the shape asks for it; else 0.
-    pub footprint: f32,
-}
-
-impl SurfacePoint<'_> {
-    /// The share of the light back along the path that is not absorbed; see [`Bsdf::albedo`].
-    pub fn albedo(&self) -> Spectrum {
-        self.bsdf.albedo(self.local_previous)
-    }
-
-    /// The value of the smooth lobes in 1/sr for flux that comes from the previous point and leaves in the direction
-    /// `to_next` (world).
-    #[inline]
-    pub fn eval(&self, to_next: Vec3) -> Spectrum {
-        if !self.keeps_side(to_next) {
-            return Spectrum::ZERO;
-        }
-        let value = self.bsdf.eval(self.local_previous, self.frame.to_local(to_next));
-        value * self.unshadowed(self.to_previous)
-    }
-
-    /// The value of the smooth lobes in 1/sr for radiance that comes from the direction `to_light` (world) and leaves
-    /// towards the previous point.
-    #[inline]
-    pub fn eval_radiance(&self, to_light: Vec3) -> Spectrum {
-        if !self.keeps_side(to_light) {
-            return Spectrum::ZERO;
-        }
-        let value = self.bsdf.eval(self.frame.to_local(to_light), self.local_previous);
-        value * self.unshadowed(to_light)
-    }
-
-    /// The value of [`SurfacePoint::eval_radiance`] where it is the same for all directions on the side of the previous
-    /// point, and zero on the other.
-    #[inline]
-    pub fn even(&self) -> Option<Spectrum> {
-        if self.lean > 0.0 { None } else { self.bsdf.even(self.local_previous) }
-    }
-
-    /// A direction (world) in which the path goes on by one of these lobes; see [`Bsdf::sample`].
-    #[inline]
-    pub fn sample(&self, follow: Lobes, sampler: &mut Sampler) -> Option<Scattered> {
-        let scattered = self.bsdf.sample(self.local_previous, follow, sampler)?;
-        if scattered.event == Event::Pass {
-            return Some(Scattered { to_next: -self.to_previous, ..scattered });
-        }
-        let to_next = self.frame.to_world(scattered.to_next);
-        self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
-    }
-
-    /// Whether a direction (world) lies on the same side of the normal that maps have turned as of the one before.
-    #[inline]
-    fn keeps_side(&self, direction: Vec3) -> bool {
-        self.lean == 0.0 || self.surface.shading_normal.dot(direction) * self.frame.normal.dot(direction) > 0.0
-    }
-
-    /// Share of the light from a direction (world) that what maps only paint would not shadow if it were there
-    /// [Estevez et al. 2019].
-    #[inline]
-    pub fn unshadowed(&self, to_light: Vec3) -> f32 {
-        if self.lean == 0.0 {
-            return 1.0;
-        }
-        let cos2 = self.surface.shading_normal.dot(to_light).powi(2).clamp(1e-8, 1.0);
-        2.0 / (1.0 + (1.0 + self.lean * (1.0 - cos2) / cos2).sqrt())
-    }
-
-    /// Whether a direction (world) lies on the side of the shading normal on which the previous point does.
-    #[inline]
-    pub fn same_side(&self, to_next: Vec3) -> bool {
-        self.frame.normal.dot(self.to_previous) * self.frame.normal.dot(to_next) > 0.0
-    }
-
-    /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.
-    #[inline]
-    pub fn pdf(&self, to_next: Vec3, follow: Lobes) -> f32 {
-        if !self.keeps_side(to_next) {
-            return 0.0;
-        }
-        self.bsdf.pdf(self.local_previous, self.frame.to_local(to_next), follow)
-    }
-
-    /// The density per solid angle with which a walk that came from `to_next` (world) would go on to the previous point.
-    #[inline]
-    pub fn pdf_back(&self, to_next: Vec3, follow: Lobes) -> f32 {
-        if !self.keeps_side(to_next) {
-            return 0.0;
-        }
-        self.bsdf.pdf(self.frame.to_local(to_next), self.local_previous, follow)
-    }
-
-    /// Whether the walk goes on with the density cos / π, from wherever it came and whichever way it goes.
-    #[inline]
-    pub fn is_lambertian(&self) -> bool {
-        self.lean == 0.0 && self.bsdf.is_lambertian()
-    }
-
-    /// Cosine between a direction and the normal of the geometry, positive on both sides, never quite 0.
-    #[inline]
-    pub fn geometric_cos(&self, direction: Vec3) -> f32 {
-        self.surface.normal.dot(direction).abs().max(1e-5)
-    }
-
-    /// Cosine between a direction and the shading normal, positive on both sides.
-    #[inline]
-    pub fn cos(&self, direction: Vec3) -> f32 {
-        self.frame.normal.dot(direction).abs()
-    }
-
-    /// |cos to the geometric normal| / |cos to the shading normal|: 1 on surfaces without smooth or turned normals. Light
-    /// falls on the geometry, whereas shading reckons with its own normal; whoever compares the two needs this ratio.
-    #[inline]
-    pub fn geometric_over_shading(&self, direction: Vec3) -> f32 {
-        if self.surface.normal == self.frame.normal {
-            return 1.0;
-        }
-        self.surface.normal.dot(direction).abs() / self.cos(direction).max(1e-4)
-    }
 }
 
 impl Scene {
