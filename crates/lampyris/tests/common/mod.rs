@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "every test file uses another part of it")]
 
+pub mod materials;
 pub mod statistics;
 
 use std::collections::HashMap;
