@@ -1,13 +1,17 @@
 //! The picture as it grows, pass by pass.
 
 mod exact;
+mod exposure;
 mod filter;
 mod layers;
 mod passes;
+mod sinks;
 mod spread;
 
-pub use layers::{Exposure, Features, Kind, Layer, Layered, Layers, Plain, Sink};
+pub use exposure::{Exposure, Features, Kind};
+pub use layers::{Layer, Layers};
 pub use passes::PassSet;
+pub use sinks::{Layered, Plain, Sink};
 
 pub(crate) use spread::{Band, Sums};
 
