@@ -155,15 +155,58 @@ fn on_a_floor_of_plastic_under_a_ball_of_plastic() {
     let plastic = "material = { type = 'plastic', reflectance = [0.9, 0.5, 0.2] }\n";
     // Light tracing cannot see what is mirrored in the coat: a black world but for the floor leaves nothing to see.
     assert_agreement("plastic floor", &room(POINT, &[FLOOR, plastic]));
+    let rough = "material = { type = 'plastic', reflectance = [0.9, 0.5, 0.2], roughness = { alpha = 0.4 } }\n";
+    assert_agreement("rough plastic floor", &room(POINT, &[FLOOR, rough, BALL]));
     let text = room(POINT, &[WALLS, BALL, plastic]);
     let passes = 40;
     let mean = |way: &str| lit(&text, way).means(passes)[0].clone();
     let reference = mean("integrator=path samples=32");
-    for direct in ["photons", "next-event"] {
-        let way =
-            format!("integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct={direct} seed=2");
-        assert_same_mean(&format!("plastic ball, {way}"), &reference, &mean(&way), 1, KERNEL_BIAS);
+    for way in [
+        "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct=photons seed=2",
+        "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct=next-event seed=2",
+        "integrator=auto photons=32768 samples=8 seed=2",
+    ] {
+        assert_same_mean(&format!("plastic ball, {way}"), &reference, &mean(way), 1, KERNEL_BIAS);
     }
+}
+
+/// Shadow rays find it past the pane alone.
+#[test]
+fn on_a_box_lit_by_a_lamp_behind_a_pane_of_glass() {
+    let behind = |glass: &str| {
+        format!(
+            "[[shapes]]
+             type = 'quad'
+             corner = [-0.4, 0.97, -0.4]
+             u = [0.8, 0, 0]
+             v = [0, 0, 0.8]
+             emission = {{ radiance = [3, 4, 5] }}
+             [[shapes]]
+             type = 'cube'
+             transform = [{{ scale = [0.6, 0.04, 0.6] }}, {{ translate = [0, 0.85, 0] }}]
+             material = {glass}\n"
+        )
+    };
+    for glass in ["{ type = 'glass' }", "{ type = 'glass', ior = 1.4, roughness = { alpha = 0.3 } }"] {
+        assert_agreement(&format!("lamp behind {glass}"), &room("", &[WALLS, BALL, &behind(glass)]));
+    }
+}
+
+/// No shadow ray finds it.
+#[test]
+fn on_a_box_lit_by_a_lamp_in_a_ball_of_glass() {
+    let inside = "
+        [[shapes]]
+        type = 'sphere'
+        center = [-0.5, 0.5, 0.4]
+        radius = 0.15
+        emission = { radiance = [10, 20, 30] }
+        [[shapes]]
+        type = 'sphere'
+        center = [-0.5, 0.5, 0.4]
+        radius = 0.25
+        material = { type = 'glass' }\n";
+    assert_agreement("lamp in glass", &room("", &[WALLS, BALL, inside]));
 }
 
 #[test]
