@@ -83,8 +83,10 @@ mod tests {
     /// After passes of 1 and 3 by turns.
     fn film(passes: u32) -> Film {
         let mut film = Film::new([1, 1]);
-        (0..passes)
-            .for_each(|i| film.add(&Image::from_pixels(1, 1, vec![[1.0 + 2.0 * (i % 2) as f32; 3]]).expect("one")));
+        for pass in 0..passes {
+            let image = Image::from_pixels(1, 1, vec![[1.0 + 2.0 * (pass % 2) as f32; 3]]).expect("one pixel");
+            film.add_pass(&image.into());
+        }
         film
     }
 

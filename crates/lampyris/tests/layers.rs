@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Lit, lit};
+use common::{Lit, lit, square};
 use lampyris::film::{Film, Layer, Layers};
 use lampyris::image::Image;
 use lampyris::integrator::Silent;
@@ -206,15 +206,8 @@ fn features_look_through_glass_and_mirrors() {
 /// caustic, and in the shadow nearly all of it.
 #[test]
 fn caustics_are_the_light_that_glass_throws_on_the_floor() {
-    let scene = "
-        film = { size = [8, 8] }
+    let scene = "film = { size = [8, 8] }
         camera = { origin = [0, 0.3, -3], target = [0, 0, 0], fov = 20 }
-        [[shapes]]
-        type = 'quad'
-        corner = [-2, 0, -2]
-        u = [0, 0, 4]
-        v = [4, 0, 0]
-        material = { type = 'diffuse', reflectance = 0.8 }
         [[shapes]]
         type = 'sphere'
         center = [0, 1, 0]
@@ -226,7 +219,9 @@ fn caustics_are_the_light_that_glass_throws_on_the_floor() {
         normal = [0, -1, 0]
         radius = 0.8
         material = { type = 'diffuse', reflectance = 0 }
-        emission = { radiance = 10 }";
+        emission = { radiance = 10 }\n"
+        .to_string()
+        + &square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = 0.8 }");
     let ways = [
         ("integrator=path samples=64", 16),
         ("integrator=light photons=50000", 8),
@@ -234,7 +229,7 @@ fn caustics_are_the_light_that_glass_throws_on_the_floor() {
         ("integrator=photon-map photons=50000 direct=photons bandwidth=fixed radius=0.05", 8),
     ];
     let share = |(way, passes): (&str, u32)| {
-        let film = film(&lit(scene, way), Layers::ALL, passes);
+        let film = film(&lit(&scene, way), Layers::ALL, passes);
         let [caustic, indirect] = [Layer::Caustic, Layer::Indirect].map(|each| means(&layer(&film, each))[1]);
         assert!(caustic > 0.5 * indirect && caustic <= indirect, "{way}: {caustic} of {indirect}");
         let samples = means(&layer(&film, Layer::Samples))[0];

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use common::statistics::{assert_distribution, assert_frequency, assert_mean};
-use common::{Lit, built, described, lit};
+use common::{Lit, built, described, lit, slab, square};
 use lampyris::geometry::MeshData;
 use lampyris::material::{Event, Lobes};
 use lampyris::photon::Photon;
@@ -40,20 +40,6 @@ fn emitted_area(lit: &Lit) -> f64 {
     f64::from(lit.scene.power().mean())
 }
 
-fn quad(y: f32, half: f32, flip: bool, material: &str) -> String {
-    format!(
-        "[[shapes]]
-         type = 'quad'
-         corner = [{0}, {y}, {0}]
-         u = [0, 0, {1}]
-         v = [{1}, 0, 0]
-         flip-normal = {flip}
-         material = {material}\n",
-        -half,
-        2.0 * half
-    )
-}
-
 const FROM_ABOVE: &str = "lights = [{ type = 'directional', direction = [0, -1, 0] }]\n";
 
 /// All inner reflections of a slab under normal incidence add up to T = 2n/(n² + 1).
@@ -63,10 +49,7 @@ fn a_slab_of_glass_lets_through_all_that_geometry_allows() {
     for n in [1.5_f64, 2.4] {
         let glass = format!("{{ type = 'glass', ior = {n} }}");
         let black = "{ type = 'diffuse', reflectance = 0 }";
-        let text = FROM_ABOVE.to_string()
-            + &quad(1.0, 2.0, false, &glass)
-            + &quad(0.5, 2.0, true, &glass)
-            + &quad(0.0, 1.0, false, black);
+        let text = FROM_ABOVE.to_string() + &slab(1.0, 0.5, 2.0, &glass) + &square(0.0, 1.0, false, black);
         let lit = photons(paths, &text);
         let expected = 2.0 * n / (n * n + 1.0) * 4.0 / emitted_area(&lit);
         let through = landed(&lit, 0.0, 2..65).len() as f64;
@@ -81,9 +64,8 @@ fn a_lamp_behind_a_slab_is_dimmed_by_what_the_slab_reflects() {
     let text = "camera = { origin = [0, 3, 0], target = [0, 0, 0], up = [1, 0, 0], fov = 0.01 }
         film = { size = [8, 8] }\n"
         .to_string()
-        + &quad(1.0, 2.0, false, glass)
-        + &quad(0.5, 2.0, true, glass)
-        + &quad(0.0, 1.0, false, "{ type = 'diffuse', reflectance = 0 }")
+        + &slab(1.0, 0.5, 2.0, glass)
+        + &square(0.0, 1.0, false, "{ type = 'diffuse', reflectance = 0 }")
         + "emission = { radiance = 1 }";
     for way in ["integrator=path samples=16", "integrator=photon-map photons=1 radius=1 samples=16"] {
         assert_mean(way, &lit(&text, way).means(50)[0], 3.0 / 3.25, 0.0, 0.02);
@@ -102,8 +84,8 @@ fn still_water_lets_one_minus_fresnel_through() {
     let (paths, sin, n) = (100_000, 0.8_f64, 1.33);
     // The floor is so large that the slanted light of the water's square falls on it whole.
     let text = "lights = [{ type = 'directional', direction = [0.8, -0.6, 0] }]\n".to_string()
-        + &quad(0.5, 1.0, false, &format!("{{ type = 'glass', ior = {n} }}"))
-        + &quad(0.0, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
+        + &square(0.5, 1.0, false, &format!("{{ type = 'glass', ior = {n} }}"))
+        + &square(0.0, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
     let lit = photons(paths, &text);
     let on_water = 4.0 * 0.6 / emitted_area(&lit);
     let refracted = landed(&lit, 0.0, 1..2).len() as f64;
@@ -131,7 +113,7 @@ fn a_ball_lens_spreads_photons_as_a_ray_trace_in_one_dimension_says() {
     for behind in [1.1_f64, 1.5, 2.5] {
         let text = FROM_ABOVE.to_string()
             + "[[shapes]]\ntype = 'sphere'\nmaterial = { type = 'glass', ior = 1.5 }\n"
-            + &quad(-behind as f32, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
+            + &square(-behind as f32, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
         let lit = photons(paths, &text);
         let widest = 1.2 / f64::from(rings);
         let add = |counts: &mut Vec<f64>, rho: f64, count: f64| {

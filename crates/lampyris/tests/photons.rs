@@ -5,7 +5,7 @@ mod common;
 use std::sync::Mutex;
 
 use common::statistics::assert_mean;
-use common::{Lit, lit};
+use common::{Lit, lit, slab, square};
 use glam::Vec3;
 use lampyris::integrator::{Observer, Pass, PhotonMapping, Silent, Work};
 use lampyris::material::{Event, Lobes, Scattered};
@@ -268,27 +268,11 @@ fn light_arrives_after_the_shortest_way_and_no_sooner() {
 fn a_slab_delays_light_by_its_thickness_times_index_less_one() {
     let text = "camera = { origin = [9, 9, 9], target = [0, 0, 0] }
         film = { size = [1, 1] }
-        lights = [{ type = 'directional', direction = [0, -1, 0] }]
-        [[shapes]]
-        type = 'quad'
-        corner = [-1, 1, -1]
-        u = [0, 0, 2]
-        v = [2, 0, 0]
-        material = { type = 'glass', ior = 1.6 }
-        [[shapes]]
-        type = 'quad'
-        corner = [-1, 0.75, -1]
-        u = [0, 0, 2]
-        v = [2, 0, 0]
-        flip-normal = true
-        material = { type = 'glass', ior = 1.6 }
-        [[shapes]]
-        type = 'quad'
-        corner = [-2, 0, -2]
-        u = [0, 0, 4]
-        v = [4, 0, 0]
-        material = { type = 'diffuse', reflectance = 0 }";
-    let map = lit(text, "photons=20000 bandwidth=fixed radius=1 direct=photons").map(0);
+        lights = [{ type = 'directional', direction = [0, -1, 0] }]\n"
+        .to_string()
+        + &slab(1.0, 0.75, 1.0, "{ type = 'glass', ior = 1.6 }")
+        + &square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = 0 }");
+    let map = lit(&text, "photons=20000 bandwidth=fixed radius=1 direct=photons").map(0);
     let beside =
         (map.photons().iter()).find(|photon| photon.bounce == 0).expect("a photon past the slab").optical_length;
     let mut seen = [0, 0];

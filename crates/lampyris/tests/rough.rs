@@ -2,20 +2,15 @@
 
 mod common;
 
-use common::lit;
 use common::statistics::assert_same_mean;
+use common::{lit, square};
 
 /// A floor under a pane of rough glass and beside a rough metal wall, looked at through the pane.
 fn room(pane: &str) -> String {
     format!(
         "camera = {{ origin = [0, 2.5, -1.5], target = [0, 0, 0], fov = 25 }}
          film = {{ size = [8, 8] }}
-         [[shapes]]
-         type = 'quad'
-         corner = [-2, 0, -2]
-         u = [0, 0, 4]
-         v = [4, 0, 0]
-         material = {{ type = 'diffuse', reflectance = [0.8, 0.5, 0.3] }}
+         {}
          [[shapes]]
          type = 'quad'
          corner = [1, 0, -2]
@@ -31,7 +26,8 @@ fn room(pane: &str) -> String {
          center = [-0.5, 3, 0.3]
          normal = [0, -1, 0]
          radius = 0.7
-         emission = {{ radiance = 5 }}"
+         emission = {{ radiance = 5 }}",
+        square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = [0.8, 0.5, 0.3] }")
     )
 }
 

@@ -1,13 +1,17 @@
 //! The picture as it grows, pass by pass.
 
 mod exact;
+mod exposure;
 mod filter;
 mod layers;
 mod passes;
+mod sinks;
 mod spread;
 
-pub use layers::{Exposure, Features, Kind, Layer, Layered, Layers, Plain, Sink};
+pub use exposure::{Exposure, Features, Kind};
+pub use layers::{Layer, Layers};
 pub use passes::PassSet;
+pub use sinks::{Layered, Plain, Sink};
 
 pub(crate) use spread::{Band, Sums};
 
@@ -86,22 +90,20 @@ impl Film {
         }
     }
 
-    /// Adds the picture of a pass of weight 1.
+    /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights count is for the first
+    /// pass to tell: all passes of a render have them, or none has.
     ///
     /// # Panics
-    /// As [`Film::add_pass`].
-    pub fn add(&mut self, pass: &Image) {
-        self.add_weighted(pass, &[]);
-    }
-
-    fn add_weighted(&mut self, pass: &Image, weights: &[f32]) {
+    /// If the picture has another size, or if there were [`Film::MOST_PASSES`] already.
+    pub fn add_pass(&mut self, pass: &Exposure) {
+        let Exposure { image, features, weights, samples } = pass;
         let pixels = self.width * self.height;
-        assert_eq!((pass.width(), pass.height()), (self.width, self.height), "a pass must have the film's size");
+        assert_eq!((image.width(), image.height()), (self.width, self.height), "a pass must have the film's size");
         assert!(self.passes < Film::MOST_PASSES, "a film holds no more than {} passes", Film::MOST_PASSES);
         if self.passes == 0 && !weights.is_empty() {
             self.weights = Some(Weights::new(pixels));
         }
-        let (values, luminances) = (pass.pixels().as_flattened(), |pixel: usize| luminance_of(pass.pixels()[pixel]));
+        let (values, luminances) = (image.pixels().as_flattened(), |pixel: usize| luminance_of(image.pixels()[pixel]));
         self.sums.add_each(|index| f64::from(values[index]));
         self.squares.add_each(|pixel| luminances(pixel).powi(2));
         if let Some(sums) = &mut self.weights {
@@ -110,18 +112,9 @@ impl Film {
             sums.squares.add_each(|pixel| weight(pixel).powi(2));
             sums.products.add_each(|pixel| weight(pixel) * luminances(pixel));
         }
+        self.layers.add(features);
         self.passes += 1;
-    }
-
-    /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights count is for the first
-    /// pass to tell: all passes of a render have them, or none has.
-    ///
-    /// # Panics
-    /// If the picture has another size, or if there were [`Film::MOST_PASSES`] already.
-    pub fn add_pass(&mut self, pass: &Exposure) {
-        self.add_weighted(&pass.image, &pass.weights);
-        self.layers.add(&pass.features);
-        self.samples = self.samples.saturating_add(u64::from(pass.samples));
+        self.samples = self.samples.saturating_add(u64::from(*samples));
     }
 
     /// Adds the passes of another film: the same to the bit as adding them here.
@@ -334,7 +327,7 @@ mod tests {
     fn the_image_is_the_mean_and_the_error_that_of_the_passes() {
         let mut film = Film::new([1, 1]);
         for value in [1.0, 3.0] {
-            film.add(&Image::from_pixels(1, 1, vec![[value; 3]]).expect("one pixel"));
+            film.add_pass(&Image::from_pixels(1, 1, vec![[value; 3]]).expect("one pixel").into());
         }
         assert_eq!(film.image().pixel(0, 0), [2.0; 3]);
         // Standard error of the mean of 1 and 3 is √(((1² + 1²) / 1) / 2) = 1, half of the mean.

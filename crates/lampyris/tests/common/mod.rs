@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "every test file uses another part of it")]
 
+pub mod materials;
 pub mod statistics;
 
 use std::collections::HashMap;
@@ -124,4 +125,24 @@ impl Lit {
 /// The mean over the picture of one channel.
 pub fn channel_mean(image: &Image, channel: usize) -> f64 {
     image.pixels().iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / image.pixels().len() as f64
+}
+
+/// A level square around the y axis at this height, its edges twice `half`, its normal up unless it is flipped.
+pub fn square(y: f32, half: f32, flip: bool, material: &str) -> String {
+    format!(
+        "[[shapes]]
+         type = 'quad'
+         corner = [{0}, {y}, {0}]
+         u = [0, 0, {1}]
+         v = [{1}, 0, 0]
+         flip-normal = {flip}
+         material = {material}\n",
+        -half,
+        2.0 * half
+    )
+}
+
+/// Two such squares, between which light is in this kind of glass.
+pub fn slab(top: f32, bottom: f32, half: f32, glass: &str) -> String {
+    square(top, half, false, glass) + &square(bottom, half, true, glass)
 }

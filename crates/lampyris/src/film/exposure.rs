@@ -1,0 +1,70 @@
+//! What a pass brings to the film.
+
+use crate::image::Image;
+
+/// A pass: its picture, and the features of its pixels if layers were asked for and the pass has them.
+#[derive(Clone, Debug)]
+pub struct Exposure {
+    /// Linear radiance: the sum of the samples of each pixel, times what they weigh, over how many there are.
+    pub image: Image,
+    /// Of each pixel, row by row, or none at all.
+    pub features: Vec<Features>,
+    /// What the samples of a pixel weigh on average, which is 1 on average over passes; empty where it is 1 in each. A
+    /// [`Film`](super::Film) divides by its mean, which takes away the noise that the weights have of themselves.
+    pub weights: Vec<f32>,
+    /// Camera samples of each pixel.
+    pub samples: u32,
+}
+
+impl From<Image> for Exposure {
+    fn from(image: Image) -> Exposure {
+        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0 }
+    }
+}
+
+impl Exposure {
+    /// Adds radiance in linear RGB to a pixel.
+    pub fn add(&mut self, pixel: usize, light: [f32; 3], kind: Kind) {
+        let add = |sum: &mut [f32; 3]| *sum = [0, 1, 2].map(|channel| sum[channel] + light[channel]);
+        add(&mut self.image.pixels_mut()[pixel]);
+        let Some(features) = self.features.get_mut(pixel) else { return };
+        match kind {
+            Kind::Direct => add(&mut features.direct),
+            Kind::Caustic => add(&mut features.caustic),
+            Kind::Other => {}
+        }
+    }
+}
+
+/// What the layers of a pixel are made of: means over all samples of a pass, weighted as its picture. Samples that meet
+/// nothing count as 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Features {
+    /// Radiance of lamps and surroundings in plain sight.
+    pub emission: [f32; 3],
+    /// Radiance of light scattered once.
+    pub direct: [f32; 3],
+    /// Radiance of light that mirrors and glass brought from a lamp to a smooth surface.
+    pub caustic: [f32; 3],
+    /// Share of the light that is not absorbed by the first surface with a smooth lobe, nor before it.
+    pub albedo: [f32; 3],
+    /// Its shading normal, in world coordinates.
+    pub normal: [f32; 3],
+    /// Where it is, in world coordinates.
+    pub position: [f32; 3],
+    /// How long the way to it is.
+    pub depth: f32,
+    /// Share of the samples that meet one.
+    pub met: f32,
+}
+
+/// What light met on its way to the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One scattering event.
+    Direct,
+    /// Mirrors and glass, and then one smooth surface.
+    Caustic,
+    /// Anything else.
+    Other,
+}

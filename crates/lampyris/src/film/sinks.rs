@@ -1,0 +1,154 @@
+//! What a path adds to its pixel: light, and for the layers what the light was and what the path has met.
+
+use glam::Vec3;
+
+use super::Features;
+use crate::material::Lobes;
+use crate::scene::SurfacePoint;
+use crate::spectrum::{Basis, Spectrum};
+use crate::transport::PathState;
+
+/// Where the samples of a pixel leave the light that they find. Whatever else it notes, the radiance is the same to the
+/// last bit.
+pub trait Sink: Default + Send {
+    /// Whether it has features to tell.
+    const LAYERED: bool;
+
+    /// The path of a sample has reached a surface; it is told of all, in their order.
+    fn surface(&mut self, _point: &SurfacePoint, _path: &PathState) {}
+
+    /// Adds radiance of light that has been scattered so many times, or more often where that is not known to be less
+    /// than two.
+    fn add(&mut self, light: Spectrum, events: u32);
+
+    /// Of what was added as light of two events or more, this part had only one.
+    fn was_direct(&mut self, _light: Spectrum) {}
+
+    /// Of what was added, this part is [caustic](super::Layer::Caustic).
+    fn was_caustic(&mut self, _light: Spectrum) {}
+
+    /// Takes this share of all that was left at another one.
+    fn take(&mut self, other: &Self, share: f32);
+
+    /// The sum of what was added, in the lanes of the pass.
+    fn radiance(&self) -> Spectrum;
+
+    /// The features as means over so many samples.
+    fn features(&self, _samples: u32, _basis: &Basis) -> Option<Features> {
+        None
+    }
+}
+
+/// Radiance and nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Plain(Spectrum);
+
+impl Sink for Plain {
+    const LAYERED: bool = false;
+
+    #[inline]
+    fn add(&mut self, light: Spectrum, _: u32) {
+        self.0 += light;
+    }
+
+    #[inline]
+    fn take(&mut self, other: &Plain, share: f32) {
+        self.0 += other.0 * share;
+    }
+
+    #[inline]
+    fn radiance(&self) -> Spectrum {
+        self.0
+    }
+}
+
+/// Radiance, and all that the layers need.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Layered {
+    radiance: Spectrum,
+    emission: Spectrum,
+    direct: Spectrum,
+    caustic: Spectrum,
+    albedo: Spectrum,
+    normal: Vec3,
+    position: Vec3,
+    depth: f32,
+    met: f32,
+    /// Of one sample: its throughput at the start, and how far it has come.
+    start: f32,
+    way: f32,
+}
+
+impl Sink for Layered {
+    const LAYERED: bool = true;
+
+    fn surface(&mut self, point: &SurfacePoint, path: &PathState) {
+        if self.met > 0.0 {
+            return;
+        }
+        if self.way == 0.0 {
+            self.start = path.throughput.max();
+        }
+        self.way += point.distance;
+        let lobes = point.bsdf.lobes();
+        if lobes.meets(Lobes::DELTA) && !lobes.meets(Lobes::SMOOTH) {
+            return;
+        }
+        let normal = point.frame.normal;
+        // What refraction does to radiance by the solid angle is undone: it is not absorbed.
+        let share = path.ior * path.ior / self.start.max(f32::MIN_POSITIVE);
+        self.albedo += path.throughput * share * point.albedo();
+        self.normal += if normal.dot(point.to_previous) < 0.0 { -normal } else { normal };
+        self.position += point.surface.position;
+        self.depth += self.way;
+        self.met += 1.0;
+    }
+
+    fn add(&mut self, light: Spectrum, events: u32) {
+        self.radiance += light;
+        match events {
+            0 => self.emission += light,
+            1 => self.direct += light,
+            _ => {}
+        }
+    }
+
+    fn was_direct(&mut self, light: Spectrum) {
+        self.direct += light;
+    }
+
+    fn was_caustic(&mut self, light: Spectrum) {
+        self.caustic += light;
+    }
+
+    fn take(&mut self, other: &Layered, share: f32) {
+        self.radiance += other.radiance * share;
+        self.emission += other.emission * share;
+        self.direct += other.direct * share;
+        self.caustic += other.caustic * share;
+        self.albedo += other.albedo * share;
+        self.normal += other.normal * share;
+        self.position += other.position * share;
+        self.depth += other.depth * share;
+        self.met += other.met * share;
+    }
+
+    fn radiance(&self) -> Spectrum {
+        self.radiance
+    }
+
+    fn features(&self, samples: u32, basis: &Basis) -> Option<Features> {
+        let n = samples as f32;
+        Some(Features {
+            emission: basis.to_rgb(self.emission / n),
+            direct: basis.to_rgb(self.direct / n),
+            caustic: basis.to_rgb(self.caustic / n),
+            albedo: basis.to_rgb(self.albedo / n),
+            // As the weight of the pass has it.
+            normal: (self.normal * (basis.white() / n)).to_array(),
+            position: (self.position / n).to_array(),
+            depth: self.depth / n,
+            met: self.met / n,
+        })
+    }
+}
