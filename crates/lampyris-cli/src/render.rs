@@ -18,7 +18,7 @@ use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
 use crate::denoise::{GUIDES, denoise, denoised_by};
 use crate::films::{self, Keeper};
-use crate::format::{percent, plural, time};
+use crate::format::{bias, percent, plural, time};
 use crate::interrupt::Interrupt;
 use crate::meter::{Meter, Stage};
 use crate::preview::Preview;
@@ -223,7 +223,8 @@ impl Job<'_> {
         self.meter.enter(Stage::Write);
         progress.finish();
         let passes = plural(render.film().passes() as usize, "pass");
-        progress.say(&format!("{passes} in {}; {}", time(seconds), progress.speed(error)));
+        let bias = render.film().bias().map_or_else(String::new, |found| format!(", {}", bias(&found)));
+        progress.say(&format!("{passes} in {}; {}{bias}", time(seconds), progress.speed(error)));
         // What cannot be written keeps nothing else from it.
         let kept = keeper.map_or(Ok(()), |mut keeper| keeper.write(&render));
         let outputs: Vec<&Path> = self.outputs.iter().map(PathBuf::as_path).collect();

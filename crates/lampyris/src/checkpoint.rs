@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 1` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 2` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers |
 //! | 8 | the length of the pilot |
@@ -142,7 +142,7 @@ fn said(value: &Value) -> String {
     }
 }
 
-const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 1\n";
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 2\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 const CHECKSUM: usize = 4;
@@ -350,7 +350,7 @@ mod tests {
         let message = |bytes: &[u8]| Checkpoint::decode(bytes).expect_err("no film").message;
         assert_eq!(message(b""), "not a film of Lampyris");
         assert_eq!(message(b"PNG"), "not a film of Lampyris");
-        assert_eq!(message(b"LAMPYRIS FILM 2\n"), "a film of another version of Lampyris");
+        assert_eq!(message(b"LAMPYRIS FILM 1\n"), "a film of another version of Lampyris");
         assert_eq!(message(MAGIC), "the film is damaged or cut short");
     }
 
