@@ -43,6 +43,7 @@ fn photons() -> Vec<Photon> {
         optical_length: 0.0,
         flux: Spectrum::ONE,
         rivals: 0.0,
+        path: 0,
         bounce: 0,
         history: Lobes::NONE,
     };

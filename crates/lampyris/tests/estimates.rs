@@ -23,6 +23,7 @@ fn photon(position: Vec3) -> Photon {
         flux: Spectrum::ONE,
         bounce: 0,
         rivals: 0.0,
+        path: 0,
         history: Lobes::NONE,
     }
 }

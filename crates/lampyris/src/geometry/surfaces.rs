@@ -15,6 +15,9 @@ pub struct Surfaces {
     world: Level,
     /// Each in its own coordinates.
     groups: Vec<Level>,
+    /// The numbers of the shapes that are in no group, and of those in each group.
+    alone: Vec<u32>,
+    grouped: Vec<Range<u32>>,
     instances: Vec<Instance>,
 }
 
@@ -92,7 +95,8 @@ impl SurfacesBuilder {
         };
         let instances = (0..).zip(&self.instances).map(instance).collect();
         let world = self.level(self.world.iter().copied(), instances);
-        Surfaces { world, groups, shapes: self.shapes, instances: self.instances }
+        let SurfacesBuilder { shapes, world: alone, groups: grouped, instances } = self;
+        Surfaces { world, groups, alone, grouped, shapes, instances }
     }
 
     fn level(&self, shapes: impl Iterator<Item = u32>, mut items: Vec<(Item, Option<Bounds>)>) -> Level {
@@ -204,6 +208,22 @@ impl Surfaces {
     pub fn sample(&self, shape: u32, u: Vec2) -> Option<Surface> {
         let placed = &self.shapes[shape as usize];
         Some(placed.oriented(placed.shape.sample(u)?))
+    }
+
+    /// Every place where a shape of finite size stands in the world, in the order they were added: its number, and that of
+    /// the instance that puts it there.
+    pub fn places(&self) -> impl Iterator<Item = (u32, Option<u32>)> {
+        let alone = self.alone.iter().map(|&shape| (shape, None));
+        let in_groups = (0..).zip(&self.instances).flat_map(|(number, instance)| {
+            self.grouped[instance.group as usize].clone().map(move |shape| (shape, Some(number)))
+        });
+        alone.chain(in_groups).filter(|&(shape, _)| self.area(shape).is_finite())
+    }
+
+    /// A point on a shape at one of its [places](Surfaces::places); uniform by the area of the shape.
+    pub fn sample_place(&self, (shape, instance): (u32, Option<u32>), u: Vec2) -> Option<Surface> {
+        let surface = self.sample(shape, u)?;
+        Some(instance.map_or(surface, |number| self.instances[number as usize].placement.surface_to_world(&surface)))
     }
 
     /// A point on a shape as seen from `from`, with its density per solid angle there: uniform in solid angle on a

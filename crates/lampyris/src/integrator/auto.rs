@@ -3,15 +3,21 @@
 //! Direct light is path traced; all other light can also come from photons that lie near a point of the camera's path,
 //! and the balance heuristic weighs all ways by their densities. Where photons are dense, few paths go on from there.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use serde::{Deserialize, Serialize};
 
 use super::blocks::camera_pass;
+use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
-use super::{Integrator, Observer, Pass, Phase, pilot};
+use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::light::Guide;
 use crate::material::Lobes;
 use crate::photon::{Instead, Nearest, PhotonMap, Radius, shrunk};
 use crate::scene::Scene;
@@ -23,10 +29,11 @@ use crate::transport::{Limits, Origin, walk};
 pub struct Auto {
     settings: AutoSettings,
     pilot: Pilot,
+    guide: Option<Arc<Guide>>,
 }
 
 /// What the pilot finds: about the first pass.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Pilot {
     /// Light paths a pass.
     paths: u64,
@@ -34,19 +41,33 @@ struct Pilot {
     first: f32,
     /// The radius on all further surfaces, in scene units.
     further: f32,
+    /// The nearest of so many photons are enough.
+    nearest: u32,
     /// How many photons are typically found in these.
     counts: [f32; 2],
+    /// Where photons leave for.
+    learned: Option<Learned>,
 }
 
+/// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
+/// are more photons in all than usual, of more of them.
+const NEAREST: u32 = 20;
 /// On the first surface, the radius is so large that it typically holds this many photons, but never less or more than
 /// so many pixels; and on all further ones, where what it blurs is not seen, this many.
-const FIRST_COUNT: usize = 20;
 const FIRST_PIXELS: [f32; 2] = [2.0, 5.0];
 const FURTHER_COUNT: usize = 5;
 
-/// Light paths a pass for each pixel; and no less and no more than so many.
+/// Light paths a pass for each pixel, but no less and no more than so many; and at least and at most so many times that, by
+/// what they are worth.
 const PATHS_PER_PIXEL: f32 = 0.5;
 const PATHS: [f32; 2] = [16_384.0, 1_048_576.0];
+const TIMES: [f32; 2] = [0.125, 4.0];
+
+/// What even numbers leave of the camera's variance, which is judged by independent ones; measured.
+const EVENNESS: f32 = 0.4;
+
+/// What is learned is used if it is worth so many times as many photons.
+const LEAST_GAIN: f32 = 1.5;
 
 impl Auto {
     /// With these settings, and what a pilot finds out.
@@ -57,11 +78,8 @@ impl Auto {
         seed: u64,
         observer: &dyn Observer,
     ) -> Auto {
-        let pixels = film.size[0] as f32 * film.size[1] as f32;
-        let by_pixels = (PATHS_PER_PIXEL * pixels).clamp(PATHS[0], PATHS[1]) as u64;
-        let paths = settings.photons.map_or(by_pixels, u64::from);
-        let pilot = Pilot::measure(scene, film, &settings, paths, seed, observer);
-        Auto { settings, pilot }
+        let pilot = Pilot::measure(scene, film, &settings, seed, observer);
+        Auto { settings, guide: pilot.guide(), pilot }
     }
 
     /// With what a pilot has found out before.
@@ -69,7 +87,8 @@ impl Auto {
     /// # Errors
     /// If it is no such thing.
     pub fn resumed(settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
-        Ok(Auto { settings, pilot: pilot::read(pilot)? })
+        let pilot: Pilot = pilot::read(pilot)?;
+        Ok(Auto { settings, guide: pilot.guide(), pilot })
     }
 
     /// How paths merge with the photons of a pass.
@@ -78,6 +97,7 @@ impl Auto {
     }
 
     fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+        let scene = &*guided(scene, &self.guide);
         let merging = self.merging(pass);
         let map = photon_map(scene, &merging, self.settings.max_bounces, pass, observer);
         observer.phase(Phase::Camera);
@@ -91,37 +111,99 @@ impl Auto {
     }
 }
 
+/// The scene with its photons guided.
+fn guided<'s>(scene: &'s Scene, guide: &Option<Arc<Guide>>) -> Cow<'s, Scene> {
+    guide.as_ref().map_or(Cow::Borrowed(scene), |guide| Cow::Owned(scene.guided(guide.clone())))
+}
+
 impl Pilot {
     fn measure(
         scene: &Scene,
         film: &FilmDescription,
         settings: &AutoSettings,
-        paths: u64,
         seed: u64,
         observer: &dyn Observer,
     ) -> Pilot {
-        let guess = Pilot { paths, first: 1.0, further: pilot::fallback(scene), counts: [0.0; 2] };
-        let pass = Pass { index: pilot::PASS, seed };
-        let map = photon_map(scene, &guess.merging(1.0), settings.max_bounces, &pass, observer);
+        let pixels = film.size[0] as f32 * film.size[1] as f32;
+        let by_pixels = (PATHS_PER_PIXEL * pixels).clamp(PATHS[0], PATHS[1]) as u64;
+        let (further, counts) = (pilot::fallback(scene), [0.0; 2]);
+        let paths = settings.photons.map_or(by_pixels, u64::from);
+        let learned = settings.guiding.then(|| Learned::nothing(scene));
+        let mut pilot = Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, learned };
+        let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
+        for round in 0..=rounds {
+            let pass = Pass { index: pilot::PASS - round, seed };
+            let scene = &*guided(scene, &pilot.guide());
+            let counting = Counting::new(observer);
+            let map = pilot.look_around(scene, film, settings, &pass, &counting);
+            let judgement = guiding::judge(scene, film, settings, &pass, &map, pilot.merging(1.0));
+            if round < rounds {
+                pilot.learned = pilot.learned.map(|learned| learned.more(scene, &pass, &judgement.worth));
+                continue;
+            }
+            pilot.learned = pilot.learned.filter(|learned| learned.gain(scene, &pass, &judgement.worth) > LEAST_GAIN);
+            if settings.photons.is_none() {
+                pilot.choose_paths(&judgement, counting.rays());
+            }
+        }
+        // What is changed so is measured again.
+        let pass = Pass { index: pilot::PASS - rounds - 1, seed };
+        pilot.look_around(&guided(scene, &pilot.guide()), film, settings, &pass, observer);
+        pilot
+    }
+
+    /// As many light paths as make error times price least, where those of the pass that was judged took so many rays.
+    fn choose_paths(&mut self, judgement: &Judgement, rays: u64) {
+        let rays = rays as f32 / self.paths as f32;
+        let variances = judgement.of_photons / (EVENNESS * judgement.of_camera);
+        let times = (variances * judgement.rays / rays).sqrt();
+        let times = if times.is_finite() { times.clamp(TIMES[0], TIMES[1]) } else { 1.0 };
+        self.paths = (self.paths as f32 * times) as u64;
+        self.nearest = (NEAREST as f32 * times.sqrt().max(1.0)) as u32;
+    }
+
+    /// Leaves photons and sets the radii by them.
+    fn look_around(
+        &mut self,
+        scene: &Scene,
+        film: &FilmDescription,
+        settings: &AutoSettings,
+        pass: &Pass,
+        observer: &dyn Observer,
+    ) -> PhotonMap {
+        let map = photon_map(scene, &self.merging(1.0), settings.max_bounces, pass, observer);
         observer.phase(Phase::Pilot);
+        self.set_radii(scene, film, settings, &map, pass.seed);
+        map
+    }
+
+    fn set_radii(
+        &mut self,
+        scene: &Scene,
+        film: &FilmDescription,
+        settings: &AutoSettings,
+        map: &PhotonMap,
+        seed: u64,
+    ) {
         let (mut found, mut widths, mut radii) = (Nearest::default(), Vec::new(), Vec::new());
         pilot::gather_points(scene, film, settings.max_bounces, seed, |point, path, smooth_events| {
             if smooth_events == 0 {
-                widths.push(pilot::distance(&map, point, FIRST_COUNT, &mut found) / path.cone.width);
+                widths.push(pilot::distance(map, point, self.nearest as usize, &mut found) / path.cone.width);
                 return Lobes::ALL;
             }
-            radii.push(pilot::distance(&map, point, FURTHER_COUNT, &mut found));
+            radii.push(pilot::distance(map, point, FURTHER_COUNT, &mut found));
             Lobes::NONE
         });
         let typical = pilot::median(widths).unwrap_or(f32::INFINITY);
-        let first = settings.radius.unwrap_or(typical.clamp(FIRST_PIXELS[0], FIRST_PIXELS[1]));
         let further = pilot::median(radii);
-        Pilot {
-            paths,
-            first,
-            further: further.unwrap_or(guess.further),
-            counts: [FIRST_COUNT as f32 * (first / typical).powi(2), further.map_or(0.0, |_| FURTHER_COUNT as f32)],
-        }
+        self.first = settings.radius.unwrap_or(typical.clamp(FIRST_PIXELS[0], FIRST_PIXELS[1]));
+        self.further = further.unwrap_or_else(|| pilot::fallback(scene));
+        self.counts =
+            [self.nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| FURTHER_COUNT as f32)];
+    }
+
+    fn guide(&self) -> Option<Arc<Guide>> {
+        self.learned.as_ref().map(|learned| Arc::new(learned.guide()))
     }
 
     /// With radii that have shrunk to this share.
@@ -134,9 +216,37 @@ impl Pilot {
             first: self.first,
             shrunk,
             further: self.further,
+            nearest: self.nearest as usize,
             on_from_first: first,
             on_from_further: further,
         }
+    }
+}
+
+/// Counts rays.
+struct Counting<'o> {
+    observer: &'o dyn Observer,
+    rays: AtomicU64,
+}
+
+impl<'o> Counting<'o> {
+    fn new(observer: &'o dyn Observer) -> Counting<'o> {
+        Counting { observer, rays: AtomicU64::new(0) }
+    }
+
+    fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+}
+
+impl Observer for Counting<'_> {
+    fn phase(&self, phase: Phase) {
+        self.observer.phase(phase);
+    }
+
+    fn work(&self, work: &Work) {
+        self.rays.fetch_add(work.rays, Ordering::Relaxed);
+        self.observer.work(work);
     }
 }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
 use crate::film::{Band, Exposure, Sink, Sums};
+use crate::light::{Emission, LightId};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
@@ -67,6 +68,14 @@ const ROWS_AT_ONCE: usize = 128;
 /// Light paths are traced in blocks of this many.
 pub(super) const BLOCK: u64 = 4096;
 
+/// How light path `index` of a pass begins, and the numbers that are left for it.
+#[inline]
+pub(super) fn emitted(scene: &Scene, pass: &Pass, index: u64) -> Option<(LightId, Emission, Sampler)> {
+    let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
+    let (light, emission) = scene.emit(&mut sampler)?;
+    Some((light, emission, sampler))
+}
+
 /// Walks from the lamps: `paths` of them, each block of them told to a visitor that `new` makes. Returns the visitors in
 /// the order of the paths.
 pub(super) fn light_pass<V: Visitor + Send>(
@@ -83,9 +92,8 @@ pub(super) fn light_pass<V: Visitor + Send>(
         let light_paths = range.end - range.start;
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
-            let mut sampler = Sampler::new(pass.seed, pass.index, purpose::LIGHT, index);
-            let Some((light, emission)) = scene.emit(&mut sampler) else { continue };
-            visitor.emitted(light, &emission);
+            let Some((light, emission, mut sampler)) = emitted(scene, pass, index) else { continue };
+            visitor.emitted(index, light, &emission);
             let path = PathState { hidden_lamp: emission.is_hidden(), ..PathState::new(emission.ray, emission.flux) };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);

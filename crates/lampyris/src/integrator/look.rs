@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use crate::film::Sink;
-use crate::light::Illumination;
+use crate::light::{Illumination, LightId};
 use crate::material::{Lobes, Scattered};
 use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
@@ -35,6 +35,8 @@ pub(super) struct Merging {
     pub first: f32,
     /// And on all further ones, in scene units.
     pub further: f32,
+    /// Where photons are denser than that, as in a caustic, the nearest of so many are enough.
+    pub nearest: usize,
     /// What is left of these radii.
     pub shrunk: f32,
     /// The probability with which a path goes on after scattering smoothly on the first smooth surface.
@@ -51,14 +53,13 @@ impl Merging {
     }
 }
 
-/// Where photons are dense, as in a caustic, the nearest of so many are enough on the first surface, and blur less.
-const NEAREST: usize = 20;
-
 /// A path from the camera that is merged with photons.
 pub(super) struct Merge<'a> {
     map: &'a PhotonMap,
     merging: Merging,
     found: &'a mut Nearest,
+    /// What photons have brought, by the numbers of their paths, for those who ask.
+    tally: Option<&'a mut Vec<(u32, f32)>>,
     /// What else could have made the path so far.
     rivals: Rivals,
     /// The same without merging at the last smooth point, for lamps that shine on it directly.
@@ -74,7 +75,14 @@ pub(super) struct Merge<'a> {
 impl<'a> Merge<'a> {
     pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Nearest) -> Merge<'a> {
         let nothing = Rivals::default();
-        Merge { map, merging, found, rivals: nothing, rivals_of_lamps: nothing, first: true, here: 0.0, went_on: 1.0 }
+        let (first, here, went_on) = (true, 0.0, 1.0);
+        Merge { map, merging, found, tally: None, rivals: nothing, rivals_of_lamps: nothing, first, here, went_on }
+    }
+
+    /// The same, which writes down what each photon brings: the mean of its radiance over all wavelengths, with the number
+    /// of its path.
+    pub(super) fn tallied(self, tally: &'a mut Vec<(u32, f32)>) -> Merge<'a> {
+        Merge { tally: Some(tally), ..self }
     }
 
     /// The probability with which the path goes on after it has scattered smoothly here.
@@ -86,57 +94,81 @@ impl<'a> Merge<'a> {
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, smooth: bool) -> f32 {
         let at = self.rivals.at(point);
         self.went_on = if smooth { self.goes_on() } else { 1.0 };
-        let back = if smooth { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
+        let back = if smooth && at > 0.0 { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
         let after = |smooth| Rivals::after(at, smooth, self.went_on, point, scattered);
         (self.rivals, self.rivals_of_lamps) = (after(back + self.here), after(back));
         self.first &= !smooth;
         self.went_on
     }
 
-    /// Radiance back along the path of the light of photons that have been scattered at most so often, and that of those
-    /// among them that came by mirrors and glass alone.
-    fn radiance(&mut self, point: &SurfacePoint, path: &PathState, max_bounces: u32) -> (Spectrum, Spectrum) {
+    /// Radiance back along the path of the light of photons that have been scattered at most so often; the second set has
+    /// that of those among them that came by mirrors and glass alone.
+    fn radiance<const SETS: usize>(
+        &mut self,
+        point: &SurfacePoint,
+        path: &PathState,
+        max_bounces: u32,
+    ) -> [Spectrum; SETS] {
         let most = if self.first { self.merging.first * path.cone.width } else { self.merging.further };
         // Not by the radius that is found: weights must not depend on the photons that they weigh.
         self.here = self.merging.density(most);
+        if !self.here.is_normal() {
+            // Beyond all reason in size: nothing can be found so near, or told apart so far away.
+            self.here = 0.0;
+            return [Spectrum::ZERO; SETS];
+        }
         let estimate = Estimate {
             map: self.map,
             kernel: Kernel::Epanechnikov,
-            radius: match self.first {
-                true => Radius::Nearest { count: NEAREST, max_radius: most },
-                false => Radius::Fixed(self.merging.shrunk * most),
-            },
+            radius: Radius::Nearest { count: self.merging.nearest, max_radius: most },
         };
-        let found = estimate.find(point, self.found);
-        let radius = if self.first { self.merging.shrunk * found } else { found };
+        let radius = self.merging.shrunk * estimate.find(point, self.found);
         let (at, on, per_photon) = (self.rivals.at(point), self.goes_on(), 1.0 / self.here);
         let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
-        let [light, caustic] = if point.is_lambertian() {
+        if point.is_lambertian() {
             // The same as below, for the most frequent case.
             let nearer = 1.0 + at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon);
             let farther = on * FRAC_1_PI * per_photon;
-            estimate.weighted(point, radius, self.found, |photon| {
+            self.sum(&estimate, (point, path, radius), |photon| {
                 let others = nearer + farther * photon.rivals * point.cos(photon.direction);
                 sets(photon, counts(photon), others)
             })
         } else {
-            estimate.weighted(point, radius, self.found, |photon| {
+            self.sum(&estimate, (point, path, radius), |photon| {
                 let to_light = -photon.direction;
-                let nearer = at * point.pdf_back(to_light, Lobes::ALL);
+                let nearer = if at > 0.0 { at * point.pdf_back(to_light, Lobes::ALL) } else { 0.0 };
                 let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
                 sets(photon, counts(photon), 1.0 + (nearer + farther) * per_photon)
             })
-        };
-        (light, caustic)
+        }
+    }
+
+    /// The light of the photons that were found within a radius, in sets.
+    fn sum<const SETS: usize>(
+        &mut self,
+        estimate: &Estimate,
+        (point, path, radius): (&SurfacePoint, &PathState, f32),
+        sets: impl Fn(&Photon) -> [f32; SETS],
+    ) -> [Spectrum; SETS] {
+        let Some(tally) = &mut self.tally else { return estimate.weighted(point, radius, self.found, sets) };
+        let mut sums = [Spectrum::ZERO; SETS];
+        let mut light_of = Vec::new();
+        let unit = estimate.each(point, radius, self.found, sets, |photon, light, weights| {
+            light_of.push((photon.path, light * weights[0]));
+            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += light * weight);
+        });
+        let seen = unit * path.throughput;
+        tally.extend(light_of.into_iter().map(|(number, light)| (number, (light * seen).mean())));
+        sums.map(|sum| sum * unit)
     }
 }
 
 /// The weights of a photon that counts, where `others` is the density of all ways to make its path over that of merging:
 /// in all light, and in caustics.
 #[inline]
-fn sets(photon: &Photon, counts: bool, others: f32) -> [f32; 2] {
+fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; SETS] {
     let weight = if counts { 1.0 / others } else { 0.0 };
-    [weight, if photon.is_caustic() { weight } else { 0.0 }]
+    std::array::from_fn(|set| if set == 0 || photon.is_caustic() { weight } else { 0.0 })
 }
 
 impl<'a, S> Look<'a, S> {
@@ -146,12 +178,12 @@ impl<'a, S> Look<'a, S> {
 
     /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
     /// where shadow rays and photons have these.
-    fn met(&self, of_shadow_rays: impl FnOnce(Vec3) -> f32, of_photons: f32) -> f32 {
+    fn met(&self, of_shadow_rays: impl FnOnce(Vec3) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
         match &self.merge {
             None => self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, of_shadow_rays(from))),
             Some(merge) => {
                 let shadow_rays = self.last.map_or(0.0, |(from, pdf)| of_shadow_rays(from) / pdf);
-                1.0 / (1.0 + shadow_rays + merge.rivals_of_lamps.0 * of_photons)
+                1.0 / (1.0 + shadow_rays + merge.rivals_of_lamps.at_lamp(of_photons))
             }
         }
     }
@@ -173,22 +205,24 @@ impl<S: Sink> Visitor for Look<'_, S> {
         self.sink.surface(point, path);
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
-            let of_photons = self.merge.as_ref().map_or(0.0, |_| self.scene.emission_density(point.shape));
-            let weight = self.met(|from| self.scene.emitted_pdf(from, point), of_photons);
+            let weight = self.met(|from| self.scene.emitted_pdf(from, point), || self.scene.emission_density(point));
             self.add(path.throughput * emitted * weight, path.bounce);
         }
         if path.bounce < self.max_bounces {
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
-            let weight = |illumination: &Illumination| {
+            let weight = |light: LightId, illumination: &Illumination| {
                 let to_light = illumination.to_light;
                 let chance = || point.pdf(to_light, Lobes::ALL);
                 match merge {
                     None => illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, chance())),
                     Some((at, on)) => {
-                        let photons = at
-                            * point.pdf_back(to_light, Lobes::ALL)
-                            * illumination.emission
-                            * point.geometric_cos(to_light);
+                        // On the first smooth surface photons are no rivals of shadow rays.
+                        let photons = if at > 0.0 {
+                            let emission = self.scene.emission_toward(point.surface.position, light, illumination);
+                            at * point.pdf_back(to_light, Lobes::ALL) * emission * point.geometric_cos(to_light)
+                        } else {
+                            0.0
+                        };
                         1.0 / (1.0 + photons + illumination.pdf.map_or(0.0, |pdf| on * chance() / pdf))
                     }
                 }
@@ -199,10 +233,14 @@ impl<S: Sink> Visitor for Look<'_, S> {
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
             {
                 // The event in which the photons are read is one of the path's, too.
-                let (light, caustic) = merge.radiance(point, path, self.max_bounces - path.bounce - 1);
-                self.sink.add(path.throughput * light, path.bounce + 2);
+                let left = self.max_bounces - path.bounce - 1;
                 if S::LAYERED && self.smooth_events == 0 {
+                    let [light, caustic] = merge.radiance(point, path, left);
+                    self.sink.add(path.throughput * light, path.bounce + 2);
                     self.sink.was_caustic(path.throughput * caustic);
+                } else {
+                    let [light] = merge.radiance(point, path, left);
+                    self.sink.add(path.throughput * light, path.bounce + 2);
                 }
             }
         }
@@ -220,7 +258,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
         // Each light by its own density: a shadow ray to one of them brings the light of that one alone.
         let lights = self
             .scene
-            .backgrounds(path.ray.direction)
+            .backgrounds(&path.ray)
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
         self.add(path.throughput * radiance, path.bounce);

@@ -3,6 +3,7 @@
 mod auto;
 mod blocks;
 mod dots;
+mod guiding;
 mod light;
 mod look;
 mod path;

@@ -155,7 +155,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
         self.sink.add(path.throughput * self.scene.emitted(point), path.bounce);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
-                let light = direct_light(self.scene, point, sampler, |_| 1.0);
+                let light = direct_light(self.scene, point, sampler, |_, _| 1.0);
                 self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.

@@ -4,9 +4,9 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{Emission, Emit, Illumination, Source};
-use crate::geometry::{Shape, Surface, Surfaces};
-use crate::math::{Frame, warp};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim};
+use crate::geometry::{Ray, Shape, Surface, Surfaces};
+use crate::math::Frame;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 use crate::texture::{Lookup, Texture};
@@ -63,30 +63,16 @@ impl Area {
         if self.two_sided { 2.0 * one_sided } else { one_sided }
     }
 
-    /// The side that a photon leaves by, and the rest of the random numbers.
-    fn side(&self, u: Vec2) -> (f32, Vec2) {
-        match self.two_sided {
-            false => (1.0, u),
-            true if u.x < 0.5 => (1.0, Vec2::new(2.0 * u.x, u.y)),
-            true => (-1.0, Vec2::new(2.0 * u.x - 1.0, u.y)),
-        }
+    /// Rays from a point of the shape, on the side of this normal.
+    fn rays(&self, origin: Vec3, normal: Vec3) -> Section {
+        let side = if self.two_sided { 0.5 } else { 1.0 };
+        Section::Hemisphere { origin, axis: Frame::around(normal), side }
     }
 }
 
 impl Emit for Area {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let surface = surfaces.sample(self.shape, sampler.square())?;
-        let (side, u) = self.side(sampler.square());
-        let direction = Frame::around(surface.normal * side).to_world(warp::cosine_hemisphere(u));
-        let radiance = self.radiance.at(&Lookup::point(surface.uv));
-        let density = self.emission(surfaces);
-        let source = Source::Shape(self.shape, surface);
-        (!radiance.is_zero()).then(|| Emission {
-            ray: surface.spawn(direction),
-            flux: radiance / density,
-            source,
-            density,
-        })
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
@@ -98,11 +84,46 @@ impl Emit for Area {
         }
         let target = Some(surface.offset(-to_light));
         let emission = self.emission(surfaces) / pdf;
-        Some(Illumination { to_light, target, irradiance: radiance / pdf, pdf: Some(pdf), emission })
+        Some(Illumination {
+            to_light,
+            target,
+            irradiance: radiance / pdf,
+            pdf: Some(pdf),
+            emission,
+            normal: surface.normal,
+        })
+    }
+
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
         self.power
+    }
+}
+
+impl Aim for Area {
+    fn start(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Start> {
+        let surface = surfaces.sample(self.shape, sampler.square())?;
+        let back = self.two_sided && sampler.uniform() < 0.5;
+        let section = self.rays(surface.position, if back { -surface.normal } else { surface.normal });
+        Some(Start { section, source: Source::Shape(self.shape, surface) })
+    }
+
+    fn send(&self, surfaces: &Surfaces, start: &Start, ray: Ray) -> Option<Emission> {
+        let Source::Shape(_, surface) = start.source else { return None };
+        let (radiance, density) = (self.radiance(&surface, ray.direction, 0.0), self.emission(surfaces));
+        (!radiance.is_zero()).then(|| Emission {
+            ray: surface.spawn(ray.direction),
+            flux: radiance / density,
+            source: start.source,
+            density,
+        })
+    }
+
+    fn section(&self, ray: &Ray, normal: Vec3) -> Section {
+        self.rays(ray.origin, normal * normal.dot(ray.direction).signum())
     }
 }
 

@@ -49,6 +49,7 @@ impl Emit for Beam {
             irradiance: self.power * self.density(),
             pdf: None,
             emission: self.density(),
+            normal: Vec3::ZERO,
         })
     }
 

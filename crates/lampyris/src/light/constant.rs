@@ -4,9 +4,9 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Far, Illumination, Source, World};
+use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
 use crate::geometry::Surfaces;
-use crate::math::{Frame, warp};
+use crate::math::warp;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
@@ -24,36 +24,36 @@ const PDF: f32 = 1.0 / (4.0 * PI);
 
 impl Emit for Constant {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let direction = Frame::around(warp::sphere(sampler.square()));
-        Some(Emission {
-            ray: self.world.entry(&direction, sampler.square()),
-            flux: self.power(surfaces),
-            source: Source::Far(PDF),
-            density: PDF * self.world.density(),
-        })
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        let to_light = warp::sphere(sampler.square());
-        let emission = self.world.density();
-        Some(Illumination { to_light, target: None, irradiance: self.radiance / PDF, pdf: Some(PDF), emission })
+        far::illuminate(self, sampler)
+    }
+
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
-        self.radiance * (self.world.section() / PDF)
+        self.radiance * (self.world.cross_section() / PDF)
     }
 }
 
 impl Far for Constant {
+    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
+        Some((warp::sphere(sampler.square()), self.radiance, PDF))
+    }
+
+    fn world(&self) -> &World {
+        &self.world
+    }
+
     fn radiance(&self, _: Vec3) -> Spectrum {
         self.radiance
     }
 
     fn pdf(&self, _: Vec3) -> f32 {
         PDF
-    }
-
-    fn emission(&self, _: Vec3) -> f32 {
-        PDF * self.world.density()
     }
 }

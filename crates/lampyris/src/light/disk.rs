@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Far, Illumination, Source, World};
+use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
 use crate::geometry::Surfaces;
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -30,11 +30,6 @@ impl SkyDisk {
         SkyDisk { toward: Frame::around(toward), radiance: irradiance / (PI * sine * sine), height, world }
     }
 
-    /// A direction towards the disk, uniform in solid angle.
-    fn sample(&self, sampler: &mut Sampler) -> Vec3 {
-        self.toward.to_world(warp::cap(sampler.square(), self.height))
-    }
-
     fn solid_angle(&self) -> f32 {
         TAU * self.height
     }
@@ -42,29 +37,32 @@ impl SkyDisk {
 
 impl Emit for SkyDisk {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let direction = Frame::around(-self.sample(sampler));
-        let pdf = 1.0 / self.solid_angle();
-        Some(Emission {
-            ray: self.world.entry(&direction, sampler.square()),
-            flux: self.power(surfaces),
-            source: Source::Far(pdf),
-            density: pdf * self.world.density(),
-        })
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        let to_light = self.sample(sampler);
-        let pdf = 1.0 / self.solid_angle();
-        let emission = self.world.density();
-        Some(Illumination { to_light, target: None, irradiance: self.radiance / pdf, pdf: Some(pdf), emission })
+        far::illuminate(self, sampler)
+    }
+
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
-        self.radiance * (self.solid_angle() * self.world.section())
+        self.radiance * (self.solid_angle() * self.world.cross_section())
     }
 }
 
 impl Far for SkyDisk {
+    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
+        let toward = self.toward.to_world(warp::cap(sampler.square(), self.height));
+        Some((toward, self.radiance, 1.0 / self.solid_angle()))
+    }
+
+    fn world(&self) -> &World {
+        &self.world
+    }
+
     fn radiance(&self, toward: Vec3) -> Spectrum {
         if self.pdf(toward) > 0.0 { self.radiance } else { Spectrum::ZERO }
     }
@@ -73,9 +71,5 @@ impl Far for SkyDisk {
         // 1 - cos is half the square of the chord, which keeps its digits for small angles.
         let inside = 0.5 * (toward - self.toward.normal).length_squared() <= self.height;
         if inside { 1.0 / self.solid_angle() } else { 0.0 }
-    }
-
-    fn emission(&self, toward: Vec3) -> f32 {
-        self.pdf(toward) * self.world.density()
     }
 }

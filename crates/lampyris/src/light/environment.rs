@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::{Emission, Emit, Far, Illumination, Source, World};
+use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
 use crate::geometry::Surfaces;
 use crate::image::Image;
-use crate::math::{Frame, Grid};
+use crate::math::Grid;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
@@ -129,14 +129,6 @@ impl Environment {
         Spectrum::from_rgb(self.image.pixel(x as usize, y as usize))
     }
 
-    /// A direction (world) with its radiance and density per solid angle; none where it is dark.
-    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
-        let (at, pdf) = self.grid.sample(sampler.square());
-        let (radiance, solid_angle) = (self.at(at), self.mapping.solid_angle(at));
-        let lit = !radiance.is_zero() && solid_angle > 0.0;
-        lit.then(|| (self.to_world * self.mapping.direction(at), radiance, pdf / solid_angle))
-    }
-
     fn point(&self, toward: Vec3) -> Vec2 {
         self.mapping.point(self.to_world.transpose() * toward)
     }
@@ -219,25 +211,35 @@ impl Mapping {
 }
 
 impl Emit for Environment {
-    fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let (toward, radiance, pdf) = self.sample(sampler)?;
-        let ray = self.world.entry(&Frame::around(-toward), sampler.square());
-        let density = pdf * self.world.density();
-        Some(Emission { ray, flux: radiance / density, source: Source::Far(pdf), density })
+    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        let (to_light, radiance, pdf) = self.sample(sampler)?;
-        let emission = self.world.density();
-        Some(Illumination { to_light, target: None, irradiance: radiance / pdf, pdf: Some(pdf), emission })
+        far::illuminate(self, sampler)
+    }
+
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {
-        self.integral * self.world.section()
+        self.integral * self.world.cross_section()
     }
 }
 
 impl Far for Environment {
+    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
+        let (at, pdf) = self.grid.sample(sampler.square());
+        let (radiance, solid_angle) = (self.at(at), self.mapping.solid_angle(at));
+        let lit = !radiance.is_zero() && solid_angle > 0.0;
+        lit.then(|| (self.to_world * self.mapping.direction(at), radiance, pdf / solid_angle))
+    }
+
+    fn world(&self) -> &World {
+        &self.world
+    }
+
     fn radiance(&self, toward: Vec3) -> Spectrum {
         self.at(self.point(toward))
     }
@@ -246,10 +248,6 @@ impl Far for Environment {
         let at = self.point(toward);
         let solid_angle = self.mapping.solid_angle(at);
         if solid_angle > 0.0 { self.grid.pdf(at) / solid_angle } else { 0.0 }
-    }
-
-    fn emission(&self, toward: Vec3) -> f32 {
-        self.pdf(toward) * self.world.density()
     }
 }
 

@@ -1,11 +1,14 @@
 //! Lights: where photons start and shadow rays end.
 
+mod aim;
 mod area;
 mod beam;
 mod constant;
 mod directional;
 mod disk;
 mod environment;
+mod far;
+mod guide;
 mod point;
 mod projector;
 mod sky;
@@ -14,12 +17,15 @@ mod world;
 
 use glam::Vec3;
 
+pub use aim::{Aim, Focus, Section, Start};
 pub use area::Area;
 pub use beam::Beam;
 pub use constant::Constant;
 pub use directional::Directional;
 pub use disk::SkyDisk;
 pub use environment::{Environment, Mapping};
+pub use far::Far;
+pub use guide::{Guide, Leaving, Lesson};
 pub use point::Point;
 pub use projector::Projector;
 pub use sky::{Sky, sky_picture, sun_irradiance};
@@ -48,6 +54,11 @@ pub struct Emission {
 }
 
 impl Emission {
+    /// Normal of the light's surface where the photon leaves it; zero if it leaves none.
+    pub fn normal(&self) -> Vec3 {
+        if let Source::Shape(_, surface) = &self.source { surface.normal } else { Vec3::ZERO }
+    }
+
     /// Whether no shadow ray finds the light.
     pub fn is_hidden(&self) -> bool {
         matches!(self.source, Source::Hidden)
@@ -80,8 +91,10 @@ pub struct Illumination {
     pub irradiance: Spectrum,
     /// Density of the direction per solid angle; none if the light can be reached in this direction alone.
     pub pdf: Option<f32>,
-    /// Density of a photon that comes this way, per area across it, over that of this draw.
+    /// Density of a photon that the light sends this way of itself, per area across it, over that of this draw.
     pub emission: f32,
+    /// Normal of the light's surface where it comes from; zero if it comes from none.
+    pub normal: Vec3,
 }
 
 /// What every light does. The shapes of the scene are lent to lights that are surfaces.
@@ -92,20 +105,13 @@ pub trait Emit {
     /// Light that arrives at `at`: for next-event estimation. None if this draw has no light.
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination>;
 
+    /// The light as one whose photons can be aimed, if it is that.
+    fn aim(&self) -> Option<&dyn Aim> {
+        None
+    }
+
     /// Flux in W of the whole light.
     fn power(&self, surfaces: &Surfaces) -> Spectrum;
-}
-
-/// Light from infinitely far away that rays meet when they leave the scene.
-pub trait Far {
-    /// Radiance that arrives from there, in W/(m² sr).
-    fn radiance(&self, toward: Vec3) -> Spectrum;
-
-    /// Density of [`Emit::illuminate`] per solid angle, which does not depend on where it is asked.
-    fn pdf(&self, toward: Vec3) -> f32;
-
-    /// Density of [`Emit::emit`] from this direction, per solid angle and per area across it.
-    fn emission(&self, toward: Vec3) -> f32;
 }
 
 /// The closed set of lights.

@@ -4,9 +4,9 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination, Source};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim};
 use crate::geometry::{Ray, Surfaces};
-use crate::math::warp;
+use crate::math::Frame;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
@@ -21,16 +21,39 @@ pub struct Point {
 
 impl Emit for Point {
     fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let ray = Ray { origin: self.position, direction: warp::sphere(sampler.square()) };
-        Some(Emission { ray, flux: self.power(surfaces), source: Source::Point, density: PDF })
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
         from_point(self.position, at, |_| (self.intensity, PDF))
     }
 
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
+    }
+
     fn power(&self, _: &Surfaces) -> Spectrum {
         self.intensity * (4.0 * PI)
+    }
+}
+
+impl Aim for Point {
+    fn start(&self, _: &Surfaces, _: &mut Sampler) -> Option<Start> {
+        Some(Start { section: self.all(), source: Source::Point })
+    }
+
+    fn send(&self, surfaces: &Surfaces, start: &Start, ray: Ray) -> Option<Emission> {
+        Some(Emission { ray, flux: self.power(surfaces), source: start.source, density: PDF })
+    }
+
+    fn section(&self, _: &Ray, _: Vec3) -> Section {
+        self.all()
+    }
+}
+
+impl Point {
+    fn all(&self) -> Section {
+        Section::Cap { origin: self.position, axis: Frame::around(Vec3::Z), height: 2.0 }
     }
 }
 
@@ -48,5 +71,5 @@ pub(super) fn from_point(position: Vec3, at: Vec3, toward: impl Fn(Vec3) -> (Spe
     let to_light = to / distance2.sqrt();
     let (intensity, pdf) = toward(-to_light);
     let (irradiance, emission) = (intensity / distance2, pdf / distance2);
-    Some(Illumination { to_light, target: Some(position), irradiance, pdf: None, emission })
+    Some(Illumination { to_light, target: Some(position), irradiance, pdf: None, emission, normal: Vec3::ZERO })
 }

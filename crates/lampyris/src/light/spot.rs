@@ -4,9 +4,9 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination, Source, point};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim, point};
 use crate::geometry::{Ray, Surfaces};
-use crate::math::{Frame, warp};
+use crate::math::Frame;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
@@ -40,6 +40,10 @@ impl Spot {
         1.0 / (TAU * (1.0 - self.cutoff.cos()))
     }
 
+    fn all(&self) -> Section {
+        Section::Cap { origin: self.position, axis: self.axis, height: 1.0 - self.cutoff.cos() }
+    }
+
     fn falloff(&self, direction: Vec3) -> f32 {
         let angle = self.axis.normal.cross(direction).length().atan2(self.axis.normal.dot(direction));
         if angle >= self.cutoff {
@@ -53,12 +57,8 @@ impl Spot {
 }
 
 impl Emit for Spot {
-    fn emit(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        let direction = self.axis.to_world(warp::cone(sampler.square(), self.cutoff.cos()));
-        let density = self.pdf();
-        let flux = self.intensity * (self.falloff(direction) / density);
-        let ray = Ray { origin: self.position, direction };
-        (!flux.is_zero()).then_some(Emission { ray, flux, source: Source::Point, density })
+    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
+        aim::evenly(self, surfaces, sampler)
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
@@ -66,7 +66,27 @@ impl Emit for Spot {
             .filter(|illumination| !illumination.irradiance.is_zero())
     }
 
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
+    }
+
     fn power(&self, _: &Surfaces) -> Spectrum {
         self.intensity * Spot::unit_power(self.cutoff, self.beam_width)
+    }
+}
+
+impl Aim for Spot {
+    fn start(&self, _: &Surfaces, _: &mut Sampler) -> Option<Start> {
+        Some(Start { section: self.all(), source: Source::Point })
+    }
+
+    fn send(&self, _: &Surfaces, start: &Start, ray: Ray) -> Option<Emission> {
+        let density = self.pdf();
+        let flux = self.intensity * (self.falloff(ray.direction) / density);
+        (!flux.is_zero()).then_some(Emission { ray, flux, source: start.source, density })
+    }
+
+    fn section(&self, _: &Ray, _: Vec3) -> Section {
+        self.all()
     }
 }

@@ -2,10 +2,11 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
+use super::Section;
 use crate::geometry::Ray;
-use crate::math::{Frame, warp};
+use crate::math::Frame;
 
 /// A sphere around all that is finite in a scene: photons from infinitely far away start on a disk before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,20 +18,31 @@ pub struct World {
 }
 
 impl World {
-    /// A ray along the normal of `direction` that starts on the disk which covers the sphere from there, uniform by
-    /// area.
-    pub(super) fn entry(&self, direction: &Frame, u: Vec2) -> Ray {
-        let on_disk = direction.to_world(warp::disk(u).extend(-1.0));
-        Ray { origin: self.center + on_disk * self.radius, direction: direction.normal }
+    /// All rays in the direction of the frame's normal that can meet the sphere, even by area.
+    pub(super) fn rays(&self, direction: Frame) -> Section {
+        Section::Disk { direction, center: self.center, radius: self.radius, world: *self }
+    }
+
+    /// The ray through a point that starts before the sphere.
+    pub(super) fn entry(&self, direction: Vec3, through: Vec3) -> Ray {
+        let beyond = (through - self.center).dot(direction) + self.radius;
+        Ray { origin: through - direction * beyond, direction }
+    }
+
+    /// Whether a ray that is aimed at something also comes near enough to the sphere to be one of all rays.
+    pub(super) fn covers(&self, ray: &Ray) -> bool {
+        let to_center = self.center - ray.origin;
+        let across = to_center - ray.direction * to_center.dot(ray.direction);
+        across.length_squared() <= self.radius * self.radius
     }
 
     /// Density of the place where such a ray starts, per area across it.
-    pub(super) fn density(&self) -> f32 {
-        1.0 / self.section()
+    pub fn density(&self) -> f32 {
+        1.0 / self.cross_section()
     }
 
     /// Area of that disk.
-    pub(super) fn section(&self) -> f32 {
+    pub(super) fn cross_section(&self) -> f32 {
         PI * self.radius * self.radius
     }
 }

@@ -46,11 +46,38 @@ pub fn cone(u: Vec2, cos_max: f32) -> Vec3 {
     cap(u, 1.0 - cos_max)
 }
 
-/// Uniform on the cap of the unit sphere around +z of this height, which is 1 minus the cosine at its edge; exact for
-/// small ones, too. Density 1 / (2π height) per solid angle.
+/// Uniform on the cap of the unit sphere around +z of this height, which is 1 minus the cosine at its edge (2 for the whole
+/// sphere); exact for small ones, too. Density 1 / (2π height) per solid angle.
 pub fn cap(u: Vec2, height: f32) -> Vec3 {
-    let below = u.x * height;
-    (Vec2::from_angle(TAU * u.y) * (below * (2.0 - below)).max(0.0).sqrt()).extend(1.0 - below)
+    // From the disk by Lambert's projection, which keeps areas.
+    let p = disk(u);
+    let below = p.length_squared() * height;
+    (p * (height * (2.0 - below).max(0.0)).sqrt()).extend(1.0 - below)
+}
+
+/// The point of the square that [`disk`] takes to `p`, which lies in the unit disk.
+pub fn disk_inverse(p: Vec2) -> Vec2 {
+    let along_x = p.x.abs() > p.y.abs();
+    let (along, across) = if along_x { (p.x, p.y) } else { (p.y, p.x) };
+    if along == 0.0 {
+        return Vec2::splat(0.5);
+    }
+    let radius = p.length().min(1.0).copysign(along);
+    let across = radius * (across / along).atan() / FRAC_PI_4;
+    0.5 + 0.5 * if along_x { Vec2::new(radius, across) } else { Vec2::new(across, radius) }
+}
+
+/// The point of the square that [`cosine_hemisphere`] takes to a direction; none below the horizon.
+pub fn cosine_hemisphere_inverse(direction: Vec3) -> Option<Vec2> {
+    (direction.z > 0.0).then(|| disk_inverse(direction.truncate()))
+}
+
+/// The point of the square that [`cap`] takes to a direction; none outside the cap.
+pub fn cap_inverse(direction: Vec3, height: f32) -> Option<Vec2> {
+    // 1 - cos is half the square of the chord, which keeps its digits for small angles.
+    let share = 0.5 * (direction - Vec3::Z).length_squared() / height;
+    let inside = share <= 1.0;
+    inside.then(|| disk_inverse(direction.truncate().normalize_or_zero() * share.sqrt()))
 }
 
 /// Density of [`cone`] per solid angle.
@@ -109,6 +136,26 @@ mod tests {
     fn the_cone_has_its_mean_cosine_in_the_middle() {
         let (mean, error) = mean_of(|u| cone(u, 0.6).z);
         assert!((mean - 0.8).abs() < error, "{mean} ± {error}");
+    }
+
+    #[test]
+    fn inverses_lead_back() {
+        let mut sampler = Sampler::new(8, 0, 0, 0);
+        for _ in 0..2000 {
+            let u = sampler.square();
+            let close = |back: Option<Vec2>, to: f32| assert!(back.is_some_and(|back| (back - u).length() < to), "{u}");
+            close(Some(disk_inverse(disk(u))), 1e-5);
+            // At the horizon the cosine has lost digits, which do not count.
+            close(cosine_hemisphere_inverse(cosine_hemisphere(u)), 1e-5);
+            // The edge itself may fall out by rounding.
+            if (u - 0.5).abs().max_element() < 0.499 {
+                for height in [2.0, 1.0, 0.1, 1e-4] {
+                    close(cap_inverse(cap(u, height), height), 1e-3);
+                }
+            }
+        }
+        assert_eq!(cap_inverse(Vec3::X, 0.5), None);
+        assert_eq!(cosine_hemisphere_inverse(-Vec3::Z), None);
     }
 
     #[test]

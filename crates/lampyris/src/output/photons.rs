@@ -162,6 +162,7 @@ mod tests {
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
             rivals: 0.0,
+            path: 0,
             history,
         };
         let photons = vec![

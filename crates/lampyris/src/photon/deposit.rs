@@ -16,6 +16,8 @@ pub struct Deposit<'s> {
     pub direct: bool,
     /// The longest light path from lamp to eye, in scattering events.
     pub max_bounces: u32,
+    /// The number of the path.
+    pub path: u32,
     /// Notes what else could have made the paths of the photons, for those who ask.
     pub instead: Option<Instead<'s>>,
 }
@@ -67,7 +69,8 @@ impl Deposit<'_> {
 }
 
 impl Visitor for Deposit<'_> {
-    fn emitted(&mut self, light: LightId, emission: &Emission) {
+    fn emitted(&mut self, path: u64, light: LightId, emission: &Emission) {
+        self.path = path as u32;
         if let Some(instead) = &mut self.instead {
             instead.from = From::Light(light, *emission);
         }
@@ -89,6 +92,7 @@ impl Visitor for Deposit<'_> {
                 optical_length: path.optical_length as f32,
                 flux: path.throughput,
                 rivals,
+                path: self.path,
                 bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),
                 history: path.history,
             });

@@ -59,6 +59,26 @@ impl Estimate<'_> {
         found: &mut Nearest,
         weights: impl Fn(&Photon) -> [f32; SETS],
     ) -> [Spectrum; SETS] {
+        let mut sums = [Spectrum::ZERO; SETS];
+        let unit = self.each(point, radius, found, weights, |_, light, weights| {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += light * weight;
+            }
+        });
+        sums.map(|sum| sum * unit)
+    }
+
+    /// Tells of each photon within a radius that has a weight, with the light that it brings and its weights; returns the
+    /// unit of that light.
+    #[inline]
+    pub fn each<const SETS: usize>(
+        &self,
+        point: &SurfacePoint,
+        radius: f32,
+        found: &mut Nearest,
+        weights: impl Fn(&Photon) -> [f32; SETS],
+        mut tell: impl FnMut(&Photon, Spectrum, [f32; SETS]),
+    ) -> Spectrum {
         let center = point.surface.position;
         let normal = if point.surface.normal.dot(point.to_previous) < 0.0 {
             -point.surface.normal
@@ -66,7 +86,6 @@ impl Estimate<'_> {
             point.surface.normal
         };
         let even = point.even();
-        let mut sums = [Spectrum::ZERO; SETS];
         let mut add = |photon: &Photon, kernel: f32| {
             let to_light = -photon.direction;
             let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
@@ -79,9 +98,7 @@ impl Estimate<'_> {
                     Some(_) => Spectrum::ZERO,
                     None => point.eval_radiance(to_light) * light,
                 };
-                for (sum, weight) in sums.iter_mut().zip(weights) {
-                    *sum += light * weight;
-                }
+                tell(photon, light, weights);
             }
         };
         self.kernel.weigh::<2>(radius, found.hits.distances_squared_mut());
@@ -89,7 +106,7 @@ impl Estimate<'_> {
         for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
             add(&photons[index as usize], weight);
         }
-        sums.map(|sum| sum * even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32)
+        even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
     }
 }
 
@@ -109,6 +126,7 @@ mod tests {
             bounce: 0,
             history: Lobes::NONE,
             rivals: 0.0,
+            path: 0,
         };
         same_surface(&photon, Vec3::ZERO, Vec3::Z)
     }

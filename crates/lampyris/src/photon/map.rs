@@ -179,6 +179,7 @@ mod tests {
                 flux: Spectrum::ONE,
                 bounce: 0,
                 rivals: 0.0,
+                path: 0,
                 history: Lobes::NONE,
             }
         };

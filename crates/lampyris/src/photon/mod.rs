@@ -40,6 +40,8 @@ pub struct Photon {
     pub flux: Spectrum,
     /// What else could have made its path: see [`Rivals::at`](crate::transport::Rivals::at); 0 where nobody asks.
     pub rivals: f32,
+    /// The number of its path in the pass.
+    pub path: u32,
     /// Scattering events before it landed.
     pub bounce: u16,
     /// Which events these were.

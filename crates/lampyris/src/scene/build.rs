@@ -83,6 +83,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         camera,
         meter,
         basis: Basis::Rgb,
+        guide: None,
     };
     Ok(Built { scene, warnings })
 }

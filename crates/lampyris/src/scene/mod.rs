@@ -24,7 +24,7 @@ pub use point::SurfacePoint;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Illumination, Light, LightId, Source};
+use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::{self, Sampler};
@@ -45,6 +45,8 @@ pub struct Scene {
     spectral: bool,
     /// What the lanes of all light in it are.
     basis: Basis,
+    /// Where photons leave for.
+    guide: Option<Arc<Guide>>,
 }
 
 /// What a shape is besides its geometry.
@@ -211,7 +213,14 @@ impl Scene {
     /// Share of the light that what stands between a surface and a point in free space lets through.
     pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
         let to_light = to - from.position;
-        let nothing = Illumination { to_light, irradiance: Spectrum::ZERO, pdf: None, target: Some(to), emission: 0.0 };
+        let nothing = Illumination {
+            to_light,
+            irradiance: Spectrum::ZERO,
+            pdf: None,
+            target: Some(to),
+            emission: 0.0,
+            normal: Vec3::ZERO,
+        };
         self.visibility(from, &nothing)
     }
 
@@ -232,27 +241,82 @@ impl Scene {
         0.0
     }
 
-    /// A photon of any light, chosen by power, and the number of that light.
+    /// The same scene, in which photons leave for where this leads them.
+    #[must_use]
+    pub fn guided(&self, guide: Arc<Guide>) -> Scene {
+        Scene { guide: Some(guide), ..self.clone() }
+    }
+
+    /// A photon of any light, chosen by power or by the guide, and the number of that light.
     #[inline]
     pub fn emit(&self, sampler: &mut Sampler) -> Option<(LightId, Emission)> {
-        let (light, probability, _) = self.lights.emission.sample(sampler.uniform());
-        sampler.step(1);
-        let emission = self.lights.all[light].emitter().emit(&self.surfaces, sampler)?;
-        let (flux, density) = (self.basis.lanes(emission.flux / probability), emission.density * probability);
+        let (light, emission) = match &self.guide {
+            None => self.emit_by_power(sampler)?,
+            Some(guide) => self.emit_guided(guide, sampler)?,
+        };
+        let factor = self.emission_factor(light, emission.ray, emission.normal());
+        let (flux, density) = (self.basis.lanes(emission.flux / factor), emission.density * factor);
         Some((light as LightId, Emission { flux, density, ..emission }))
     }
 
-    /// Light that arrives at `at` from one of the lights, for next-event estimation.
+    fn emit_by_power(&self, sampler: &mut Sampler) -> Option<(usize, Emission)> {
+        let (light, ..) = self.lights.emission.sample(sampler.uniform());
+        sampler.step(1);
+        Some((light, self.lights.all[light].emitter().emit(&self.surfaces, sampler)?))
+    }
+
+    fn emit_guided(&self, guide: &Guide, sampler: &mut Sampler) -> Option<(usize, Emission)> {
+        let Some((light, ray)) = guide.choose(sampler.uniform()) else { return self.emit_by_power(sampler) };
+        let aim = self.lights.all[light as usize].emitter().aim()?;
+        let start = aim.start(&self.surfaces, sampler)?;
+        let emission = aim.send(&self.surfaces, &start, ray(&start.section, sampler.square()))?;
+        Some((light as usize, emission))
+    }
+
+    /// The density of a photon over that which its light alone would give it. It is on `ray`, and `normal` that of the
+    /// light's surface where it leaves.
     #[inline]
-    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+    fn emission_factor(&self, light: usize, ray: Ray, normal: Vec3) -> f32 {
+        let probability = self.lights.emission.probability(light);
+        match &self.guide {
+            None => probability,
+            Some(guide) => probability * guide.factor(&self.leaving(light as LightId, ray, normal)),
+        }
+    }
+
+    /// A photon that leaves a light on a ray, where `normal` is that of the light's surface.
+    pub fn leaving(&self, light: LightId, ray: Ray, normal: Vec3) -> Leaving<'_> {
+        let probability = self.lights.emission.probability(light as usize);
+        let aim = self.lights.all[light as usize].emitter().aim();
+        Leaving { number: light, light: aim, probability, ray, normal }
+    }
+
+    /// The lights whose photons can be aimed, each with the probability of choosing it by its power.
+    pub fn aimed_lights(&self) -> impl Iterator<Item = (LightId, f32)> {
+        let powers = (0..self.lights.all.len()).map(|light| (light, self.lights.emission.probability(light)));
+        let aimed = |&(light, power): &(usize, f32)| power > 0.0 && self.lights.all[light].emitter().aim().is_some();
+        powers.filter(aimed).map(|(light, power)| (light as LightId, power))
+    }
+
+    /// Light that arrives at `at` from one of the lights, with its number, for next-event estimation.
+    #[inline]
+    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<(LightId, Illumination)> {
         let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
         let illumination = self.lights.all[light].emitter().illuminate(&self.surfaces, at, sampler)?;
-        Some(Illumination {
+        let illumination = Illumination {
             irradiance: self.basis.lanes(illumination.irradiance / probability),
             pdf: illumination.pdf.map(|pdf| pdf * probability),
-            emission: illumination.emission * self.lights.emission.probability(light) / probability,
+            emission: illumination.emission / probability,
             ..illumination
-        })
+        };
+        Some((light as LightId, illumination))
+    }
+
+    /// Density of a photon of this light that comes this way to `at`, per area across it, over that of the shadow ray.
+    pub fn emission_toward(&self, at: Vec3, light: LightId, illumination: &Illumination) -> f32 {
+        let Illumination { to_light, target, emission, normal, .. } = *illumination;
+        let ray = Ray { origin: target.unwrap_or(at), direction: -to_light };
+        emission * self.emission_factor(light as usize, ray, normal)
     }
 
     /// Radiance that a surface emits back along the path that reached it.
@@ -281,11 +345,14 @@ impl Scene {
         }
     }
 
-    /// Density with which [`Scene::emit`] leaves the light that a shape is, per area across the ray and per solid angle:
-    /// the same for all rays.
-    pub fn emission_density(&self, shape: u32) -> f32 {
-        match self.area_light(shape) {
-            Some((light, Light::Area(area))) => self.lights.emission.probability(light) * area.emission(&self.surfaces),
+    /// Density with which [`Scene::emit`] leaves this point of a light back along the path that reached it, per area across
+    /// the ray and per solid angle.
+    pub fn emission_density(&self, point: &SurfacePoint) -> f32 {
+        match self.area_light(point.shape) {
+            Some((light, Light::Area(area))) => {
+                let ray = Ray { origin: point.surface.position, direction: point.to_previous };
+                self.emission_factor(light, ray, point.surface.normal) * area.emission(&self.surfaces)
+            }
             _ => 0.0,
         }
     }
@@ -319,14 +386,15 @@ impl Scene {
         self.basis.lanes(self.far_lights().fold(Spectrum::ZERO, |sum, (_, light)| sum + light.radiance(toward)))
     }
 
-    /// Radiance that arrives from each light infinitely far away, with the density per solid angle with which
-    /// [`Scene::illuminate`] finds that light in this direction, and the density with which [`Scene::emit`] does, per solid
-    /// angle and per area across the ray.
-    pub fn backgrounds(&self, toward: Vec3) -> impl Iterator<Item = (Spectrum, f32, f32)> {
+    /// Radiance that arrives along a ray that leaves the scene from each light infinitely far away, with the density per
+    /// solid angle with which [`Scene::illuminate`] finds that light in this direction, and, for those who ask, the density
+    /// with which [`Scene::emit`] comes back along the ray, per solid angle and per area across it.
+    pub fn backgrounds(&self, ray: &Ray) -> impl Iterator<Item = (Spectrum, f32, impl FnOnce() -> f32)> {
+        let (toward, back) = (ray.direction, Ray { origin: ray.origin, direction: -ray.direction });
         self.far_lights().map(move |(index, light)| {
-            let pdf = self.lights.selection.probability(index) * light.pdf(toward);
-            let emission = self.lights.emission.probability(index) * light.emission(toward);
-            (self.basis.lanes(light.radiance(toward)), pdf, emission)
+            let pdf = light.pdf(toward);
+            let emission = move || pdf * light.world().density() * self.emission_factor(index, back, Vec3::ZERO);
+            (self.basis.lanes(light.radiance(toward)), self.lights.selection.probability(index) * pdf, emission)
         })
     }
 

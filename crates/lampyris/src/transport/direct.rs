@@ -1,6 +1,6 @@
 //! Direct light by next-event estimation, and the weights that combine it with paths that meet lamps by chance.
 
-use crate::light::Illumination;
+use crate::light::{Illumination, LightId};
 use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
@@ -12,12 +12,12 @@ pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
     sampler: &mut Sampler,
-    weight: impl FnOnce(&Illumination) -> f32,
+    weight: impl FnOnce(LightId, &Illumination) -> f32,
 ) -> Spectrum {
     if !point.bsdf.lobes().meets(Lobes::SMOOTH) {
         return Spectrum::ZERO;
     }
-    let Some(illumination) = scene.illuminate(point.surface.position, sampler) else {
+    let Some((light, illumination)) = scene.illuminate(point.surface.position, sampler) else {
         return Spectrum::ZERO;
     };
     let value = point.eval_radiance(illumination.to_light);
@@ -28,7 +28,7 @@ pub fn direct_light(
     if visibility <= 0.0 {
         return Spectrum::ZERO;
     }
-    value * illumination.irradiance * (point.cos(illumination.to_light) * weight(&illumination) * visibility)
+    value * illumination.irradiance * (point.cos(illumination.to_light) * weight(light, &illumination) * visibility)
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

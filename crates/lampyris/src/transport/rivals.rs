@@ -11,7 +11,7 @@ use crate::scene::SurfacePoint;
 /// The sum of the densities of other techniques over that of the walk so far, for techniques whose last common point
 /// lies behind the current segment; per cosine at its end. Densities per area of the geometry.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rivals(pub f32);
+pub struct Rivals(f32);
 
 impl Rivals {
     /// At the end of the segment: to be multiplied by the density per solid angle, at this point and from its other
@@ -19,6 +19,12 @@ impl Rivals {
     #[inline]
     pub fn at(self, point: &SurfacePoint) -> f32 {
         self.0 / point.geometric_cos(point.to_previous)
+    }
+
+    /// Of photons of this density, per area across the ray and per solid angle, that leave a lamp at the end of the segment.
+    #[inline]
+    pub fn at_lamp(self, emission: impl FnOnce() -> f32) -> f32 {
+        if self.0 > 0.0 { self.0 * emission() } else { 0.0 }
     }
 
     /// After a scattering event at `point`, where `at` is what [`Rivals::at`] said of the point, and `smooth` the sum of

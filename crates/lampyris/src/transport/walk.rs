@@ -9,8 +9,8 @@ use crate::spectrum::Spectrum;
 
 /// What is done along a path, and where the path may go on.
 pub trait Visitor {
-    /// The path begins with this photon of a light.
-    fn emitted(&mut self, _light: LightId, _emission: &Emission) {}
+    /// The path of this number begins with this photon of a light.
+    fn emitted(&mut self, _path: u64, _light: LightId, _emission: &Emission) {}
 
     /// The path has reached a surface. Returns the lobes that the walk may follow from here; [`Lobes::NONE`] ends it.
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes;

@@ -74,7 +74,7 @@ const DEFAULT_MAX_BOUNCES: u32 = 256;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct AutoSettings {
-    /// Light paths a pass; half as many as the picture has pixels by default.
+    /// Light paths a pass; by default chosen by what they are worth, 1/8 to 4 times half as many as the picture has pixels.
     pub photons: Option<u32>,
     /// Camera samples per pixel and pass (default 1).
     pub samples: u32,
@@ -83,13 +83,16 @@ pub struct AutoSettings {
     pub radius: Option<f32>,
     /// How slowly the radius shrinks, 0 to 1 (default 2/3, the optimum on surfaces).
     pub alpha: f32,
+    /// Whether photons leave for where they count (default), or only by the power of the lights.
+    pub guiding: bool,
     /// The longest path, counted in scattering events (default 256).
     pub max_bounces: u32,
 }
 
 impl Default for AutoSettings {
     fn default() -> AutoSettings {
-        AutoSettings { photons: None, samples: 1, radius: None, alpha: 2.0 / 3.0, max_bounces: DEFAULT_MAX_BOUNCES }
+        let (alpha, max_bounces) = (2.0 / 3.0, DEFAULT_MAX_BOUNCES);
+        AutoSettings { photons: None, samples: 1, radius: None, alpha, guiding: true, max_bounces }
     }
 }
 

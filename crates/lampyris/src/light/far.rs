@@ -1,0 +1,50 @@
+//! What lights that are infinitely far away have in common.
+
+use glam::Vec3;
+
+use super::{Aim, Emission, Illumination, Section, Source, Start, World};
+use crate::geometry::{Ray, Surfaces};
+use crate::math::Frame;
+use crate::sampler::Sampler;
+use crate::spectrum::Spectrum;
+
+/// Light from infinitely far away that rays meet when they leave the scene.
+pub trait Far {
+    /// Radiance that arrives from there, in W/(m² sr).
+    fn radiance(&self, toward: Vec3) -> Spectrum;
+
+    /// A direction (world) with its radiance and density per solid angle; none where it is dark.
+    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)>;
+
+    /// Density of [`Far::sample`] per solid angle.
+    fn pdf(&self, toward: Vec3) -> f32;
+
+    /// What the photons must cover.
+    fn world(&self) -> &World;
+}
+
+/// [`Emit::illuminate`](super::Emit::illuminate), the same from everywhere.
+pub(super) fn illuminate(light: &impl Far, sampler: &mut Sampler) -> Option<Illumination> {
+    let (to_light, radiance, pdf) = light.sample(sampler)?;
+    let emission = light.world().density();
+    let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
+    Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
+}
+
+impl<F: Far> Aim for F {
+    fn start(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Start> {
+        let (toward, _, pdf) = self.sample(sampler)?;
+        Some(Start { section: self.world().rays(Frame::around(-toward)), source: Source::Far(pdf) })
+    }
+
+    fn send(&self, _: &Surfaces, start: &Start, ray: Ray) -> Option<Emission> {
+        let Source::Far(pdf) = start.source else { return None };
+        let density = pdf * self.world().density();
+        let flux = self.radiance(-ray.direction) / density;
+        self.world().covers(&ray).then_some(Emission { ray, flux, source: start.source, density })
+    }
+
+    fn section(&self, ray: &Ray, _: Vec3) -> Section {
+        self.world().rays(Frame::around(ray.direction))
+    }
+}
