@@ -271,7 +271,7 @@ mod tests {
         Identity::new(NotedAssets::new(&NoAssets).fingerprint(&description), &description)
     }
 
-    /// With weights and layers.
+    /// With weights, areas and layers.
     fn checkpoint(passes: &[u32]) -> Checkpoint {
         let mut film = Film::with_layers([3, 2], Layers::ALL);
         let mut held = PassSet::new();
@@ -279,7 +279,8 @@ mod tests {
             let value = (pass as f32).sin().abs();
             let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
             let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
-            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3 });
+            let area = Some((pass, 1.0 / f64::from(pass + 1)));
+            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3, area });
             held.insert(pass);
         }
         Checkpoint {
