@@ -32,6 +32,8 @@ pub enum Command {
     Merge(MergeArguments),
     /// Write the photon map of a scene as a coloured point cloud.
     Photons(PhotonsArguments),
+    /// Take the noise out of a picture or film.
+    Denoise(DenoiseArguments),
     /// Tell what is in a scene: shapes, triangles, materials, lights, warnings.
     Info(SceneArguments),
     /// Check a scene without rendering it.
@@ -113,7 +115,7 @@ pub struct RenderArguments {
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
 
-    /// photon-map, path or light [default: the scene's]
+    /// auto, photon-map, path or light [default: the scene's, or auto]
     #[arg(long, value_name = "NAME")]
     pub integrator: Option<String>,
 
@@ -164,6 +166,11 @@ pub struct RenderArguments {
     #[arg(long, value_name = "NAMES", value_parser = layers)]
     pub layers: Option<Layers>,
 
+    /// Take the noise out of the finished picture, by its layers albedo and normal; an .exr file keeps the layer noisy.
+    /// Needs a build with the feature denoise
+    #[arg(long)]
+    pub denoise: bool,
+
     /// Write what the render did (passes, rays, photons, seconds, memory) to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -194,6 +201,17 @@ pub struct MergeArguments {
     pub films: Vec<PathBuf>,
 
     /// Where to write the sum: .film, or a picture: .png .ppm .pfm .hdr .exr or .npy; may be repeated
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    pub outputs: Vec<PathBuf>,
+}
+
+/// `lampyris denoise`.
+#[derive(Args, Debug)]
+pub struct DenoiseArguments {
+    /// The film, or a picture; its layers albedo and normal help where it has them
+    pub input: PathBuf,
+
+    /// Where to write the result: .png .ppm .pfm .hdr .exr or .npy; may be repeated
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub outputs: Vec<PathBuf>,
 }

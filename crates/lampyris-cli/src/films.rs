@@ -42,16 +42,29 @@ pub fn read_image(path: &Path, layer: Option<&str>) -> Result<Image> {
     layer.ok_or_else(|| Error::new(format!("there is no layer '{name}' in the film")).with_file(path))
 }
 
-/// Writes the picture of a film to all of these places, with its layers where a file has room for them.
+/// The picture of a film with its layers.
+pub fn pictures(film: &Film) -> (Image, Vec<(Layer, Image)>) {
+    let layers = film.layers().iter().filter_map(|layer| Some((layer, film.layer(layer)?)));
+    (film.image(), layers.collect())
+}
+
+/// Where the picture of a film comes from, as far as the film knows.
+pub fn facts(film: &Checkpoint) -> Vec<(&'static str, Fact)> {
+    let (identity, passes) = (film.identity(), film.film().passes());
+    vec![
+        ("version", Fact::Text(identity.version().into())),
+        ("integrator", Fact::Text(identity.integrator().into())),
+        ("seed", Fact::Text(identity.seed().to_string())),
+        ("passes", Fact::Whole(i32::try_from(passes).unwrap_or(i32::MAX))),
+    ]
+}
+
+/// Writes a picture to all of these places, with its layers where a file has room for them.
 ///
 /// # Errors
 /// Whatever keeps any of them from being written: the others are.
-pub fn write_pictures(film: &Film, facts: &[(&str, Fact)], outputs: &[&Path]) -> Result<(), Failure> {
-    let image = film.image();
-    let layers: Vec<(Layer, Image)> =
-        film.layers().iter().filter_map(|layer| Some((layer, film.layer(layer)?))).collect();
-    let picture = Picture { image: &image, layers: &layers, facts };
-    Failure::if_any(outputs.iter().filter_map(|path| write_picture(path, &picture).err()).collect())
+pub fn write_all(picture: &Picture<'_>, outputs: &[&Path]) -> Result<(), Failure> {
+    Failure::if_any(outputs.iter().filter_map(|path| write_picture(path, picture).err()).collect())
 }
 
 /// The file that a render keeps its film in.
@@ -108,13 +121,9 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         arguments.outputs.iter().map(PathBuf::as_path).partition(|path| !is_film(path));
     let bytes = if kept.is_empty() { Vec::new() } else { sum.encode() };
     kept.iter().try_for_each(|path| write_whole(path, &bytes))?;
-    let (film, identity) = (sum.film(), sum.identity());
-    let facts = [
-        ("version", Fact::Text(identity.version().into())),
-        ("integrator", Fact::Text(identity.integrator().into())),
-        ("seed", Fact::Text(identity.seed().to_string())),
-        ("passes", Fact::Whole(i32::try_from(film.passes()).unwrap_or(i32::MAX))),
-    ];
-    write_pictures(film, &facts, &pictures)?;
-    Ok(print(&format!("{}: {}\n", plural(film.passes() as usize, "pass"), sum.passes()))?)
+    if !pictures.is_empty() {
+        let (image, layers) = self::pictures(sum.film());
+        write_all(&Picture { image: &image, noisy: None, layers: &layers, facts: &facts(&sum) }, &pictures)?;
+    }
+    Ok(print(&format!("{}: {}\n", plural(sum.film().passes() as usize, "pass"), sum.passes()))?)
 }

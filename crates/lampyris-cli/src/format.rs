@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use lampyris::film::Bias;
+
 /// `950`, `12.3k`, `4.56M`, `7.89G`.
 pub fn count(value: f64) -> String {
     let (scaled, unit) = match value {
@@ -38,6 +40,22 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
+/// Student's t of seven degrees of freedom, as eight groups of passes tell the error of a bias: 95 % of all lie within.
+const SURE: f64 = 2.4;
+
+/// The largest that a bias may be, at 95 %.
+pub fn most(bias: &Bias) -> f64 {
+    bias.at_most(SURE)
+}
+
+/// `bias about 0.30 % ± 0.05 %`, or `bias below 0.2 %` where it cannot be told from none.
+pub fn bias(bias: &Bias) -> String {
+    match bias.square > SURE * bias.error_of_square {
+        true => format!("bias about {} ± {}", percent(bias.rms()), percent(bias.standard_error())),
+        false => format!("bias below {}", percent(most(bias))),
+    }
+}
+
 /// `1 shape`, `2 shapes`; `1 pass`, `2 passes`.
 pub fn plural(count: usize, what: &str) -> String {
     match count {
@@ -71,5 +89,13 @@ mod tests {
     #[test]
     fn shares_are_percents() {
         assert_eq!([0.25, 0.021, 0.00512].map(percent), ["25 %", "2.1 %", "0.51 %"]);
+    }
+
+    #[test]
+    fn a_bias_is_told_if_it_is_one() {
+        let told = |square, error_of_square| bias(&Bias { square, error_of_square });
+        assert_eq!(told(9e-6, 6e-7), "bias about 0.30 % ± 0.01 %");
+        assert_eq!(told(9e-6, 5e-6), "bias below 0.46 %");
+        assert_eq!(told(-9e-6, 1e-6 / 2.4), "bias below 0.10 %");
     }
 }

@@ -5,6 +5,7 @@
 mod args;
 mod budget;
 mod convert;
+mod denoise;
 mod films;
 mod format;
 mod generate;
@@ -56,6 +57,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Render(arguments) => render::run(arguments),
         Command::Merge(arguments) => films::merge(arguments),
         Command::Photons(arguments) => photons::run(arguments),
+        Command::Denoise(arguments) => denoise::run(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Check(arguments) => info::check(arguments),
         Command::Convert(arguments) => convert::run(arguments),

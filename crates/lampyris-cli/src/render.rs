@@ -5,18 +5,20 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use lampyris::checkpoint::{Checkpoint, Identity};
+use lampyris::denoise::Denoiser;
 use lampyris::error::{Error, Result, Warning};
 use lampyris::film::{Layers, PassSet};
 use lampyris::import::Imported;
 use lampyris::integrator::Silent;
-use lampyris::output::{Fact, Format, check_path, check_writable};
+use lampyris::output::{Fact, Format, Picture, check_path, check_writable};
 use lampyris::render::Render;
 use lampyris::scene::Scene;
 
 use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
+use crate::denoise::{GUIDES, denoise, denoised_by};
 use crate::films::{self, Keeper};
-use crate::format::{percent, plural, time};
+use crate::format::{bias, percent, plural, time};
 use crate::interrupt::Interrupt;
 use crate::meter::{Meter, Stage};
 use crate::preview::Preview;
@@ -33,6 +35,7 @@ use crate::stats::{Done, ErrorCurve, Stats};
 /// keeps the files from being written in the end.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let meter = Meter::start();
+    let denoiser = arguments.denoise.then(Denoiser::new).transpose()?;
     let outputs = outputs(arguments)?;
     let begun = arguments.resume.as_deref().map(films::read).transpose()?;
     let layers = layers(arguments, &outputs, begun.as_ref())?;
@@ -61,8 +64,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     let keeper = kept_in(arguments).zip(identity);
     let keeper = keeper.map(|(file, identity)| Keeper::new(file, identity, arguments.checkpoint_every));
+    if arguments.denoise && !GUIDES.into_iter().all(|layer| layers.contains(layer)) {
+        let warning = Warning::new("the film has no layers albedo and normal to denoise by");
+        display.warn(&warning.with_hint("textures will be blurred; begin anew with --denoise"));
+    }
     let job = Job { arguments, imported: &imported, scene: &built.scene, outputs: &outputs, layers, meter: &meter };
-    let stats = pool.install(|| job.run(display, &warnings, snapshots, begun, keeper))?;
+    let stats = pool.install(|| job.run(display, &warnings, snapshots, begun, keeper, denoiser))?;
     if let Some(path) = &arguments.stats {
         stats.write(path)?;
     }
@@ -107,26 +114,32 @@ fn outputs(arguments: &RenderArguments) -> Result<Vec<PathBuf>> {
     Ok(outputs)
 }
 
-/// The layers to compute: those of the film that is gone on with, those that the user asks for, or all of them if a picture
-/// can hold them.
+/// The layers to compute: those of the film that is gone on with; else those that the user asks for, or all of them if a
+/// picture can hold them, and what the denoiser needs.
 fn layers(arguments: &RenderArguments, outputs: &[PathBuf], begun: Option<&Checkpoint>) -> Result<Layers> {
     let is_exr = |path: &PathBuf| Format::of(path).is_ok_and(|format| format == Format::Exr);
     if let (Some(begun), Some(path)) = (begun, &arguments.resume) {
         return match arguments.layers {
-            Some(layers) if layers != begun.film().layers() => {
+            Some(layers) if needed(arguments, layers) != begun.film().layers() => {
                 Err(Error::new(format!("cannot resume '{}': it has other layers", path.display()))
                     .with_hint("leave --layers out, or begin anew"))
             }
             _ => Ok(begun.film().layers()),
         };
     }
-    match (arguments.layers, outputs.iter().any(is_exr)) {
+    let layers = match (arguments.layers, outputs.iter().any(is_exr)) {
         (Some(layers), false) if !layers.is_empty() && arguments.checkpoint.is_none() => {
-            Err(Error::new("only .exr files hold layers, and none is to be written")
-                .with_hint("add -o FILE.exr, or leave --layers out"))
+            return Err(Error::new("only .exr files hold layers, and none is to be written")
+                .with_hint("add -o FILE.exr, or leave --layers out"));
         }
-        (given, has_exr) => Ok(given.unwrap_or(if has_exr { Layers::ALL } else { Layers::NONE })),
-    }
+        (given, has_exr) => given.unwrap_or(if has_exr { Layers::ALL } else { Layers::NONE }),
+    };
+    Ok(needed(arguments, layers))
+}
+
+/// These layers, and those that the denoiser needs.
+fn needed(arguments: &RenderArguments, layers: Layers) -> Layers {
+    if arguments.denoise { GUIDES.into_iter().fold(layers, Layers::with) } else { layers }
 }
 
 /// Changes the scene's settings to those of the command line.
@@ -166,6 +179,7 @@ impl Job<'_> {
         mut snapshots: Snapshots,
         begun: Option<Checkpoint>,
         mut keeper: Option<Keeper>,
+        denoiser: Option<Denoiser>,
     ) -> Result<Stats, Failure> {
         let description = &self.imported.description;
         let none = PassSet::new();
@@ -209,11 +223,12 @@ impl Job<'_> {
         self.meter.enter(Stage::Write);
         progress.finish();
         let passes = plural(render.film().passes() as usize, "pass");
-        progress.say(&format!("{passes} in {}; {}", time(seconds), progress.speed(error)));
+        let bias = render.film().bias().map_or_else(String::new, |found| format!(", {}", bias(&found)));
+        progress.say(&format!("{passes} in {}; {}{bias}", time(seconds), progress.speed(error)));
         // What cannot be written keeps nothing else from it.
         let kept = keeper.map_or(Ok(()), |mut keeper| keeper.write(&render));
         let outputs: Vec<&Path> = self.outputs.iter().map(PathBuf::as_path).collect();
-        films::write_pictures(render.film(), &self.facts(&render), &outputs)?;
+        self.write_pictures(&render, &outputs, denoiser)?;
         kept?;
         let count = plural(snapshots.written().len(), "snapshot");
         let snapshots_too = if snapshots.written().is_empty() { String::new() } else { format!(" and {count}") };
@@ -223,6 +238,27 @@ impl Job<'_> {
         let (snapshots, interrupted) = (snapshots.written(), interrupt.is_raised());
         let done = Done { render: &render, errors, begun: before, snapshots, interrupted };
         Ok(Stats::of(self.arguments, description, done, self.meter, warnings))
+    }
+
+    /// Writes the picture, denoised if that is asked for; as it is if that fails.
+    fn write_pictures(
+        &self,
+        render: &Render<'_>,
+        outputs: &[&Path],
+        denoiser: Option<Denoiser>,
+    ) -> Result<(), Failure> {
+        let ((image, layers), mut facts) = (films::pictures(render.film()), self.facts(render));
+        let denoised = denoiser.map(|denoiser| denoise(&denoiser, &image, &layers)).transpose();
+        let picture = match &denoised {
+            Ok(Some(denoised)) => {
+                facts.push(denoised_by());
+                Picture { image: denoised, noisy: Some(&image), layers: &layers, facts: &facts }
+            }
+            _ => Picture { image: &image, noisy: None, layers: &layers, facts: &facts },
+        };
+        films::write_all(&picture, outputs)?;
+        denoised?;
+        Ok(())
     }
 
     /// Where the picture comes from, for those who find it later.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lampyris::error::{Error, Result};
-use lampyris::film::Film;
+use lampyris::film::{Bias, Film};
 use lampyris::output::write_whole;
 use lampyris::render::Render;
 use lampyris::scene::SceneDescription;
@@ -13,6 +13,7 @@ use lampyris::scene::description::{
 use serde::Serialize;
 
 use crate::args::RenderArguments;
+use crate::format::most;
 use crate::meter::{Meter, Seconds};
 
 /// The content of a `--stats` file.
@@ -46,7 +47,9 @@ pub struct Stats {
     flux: Flux,
     /// Standard error of the picture's luminance relative to its mean; null after one pass. It does not know of bias.
     relative_error: Option<f64>,
-    /// The same after 2, 4, 8 ... passes.
+    /// Null where the radius does not shrink, and of too few passes.
+    bias: Option<BiasNumbers>,
+    /// The relative error after 2, 4, 8 ... passes.
     errors: ErrorCurve,
     /// Null where the system does not say.
     peak_memory_bytes: Option<u64>,
@@ -81,6 +84,22 @@ impl ErrorCurve {
         let passes = film.passes();
         let error = if passes.is_power_of_two() { film.relative_error() } else { None };
         self.0.extend(error.map(|relative_error| ErrorAt { passes, relative_error }));
+    }
+}
+
+/// The bias of the picture's luminance, extrapolated from the radii of the passes, as the root of its mean square over the
+/// picture relative to the mean.
+#[derive(Debug, Serialize)]
+struct BiasNumbers {
+    rms: f64,
+    standard_error: f64,
+    /// With a probability of 95 %.
+    at_most: f64,
+}
+
+impl BiasNumbers {
+    fn of(bias: &Bias) -> BiasNumbers {
+        BiasNumbers { rms: bias.rms(), standard_error: bias.standard_error(), at_most: most(bias) }
     }
 }
 
@@ -147,6 +166,7 @@ impl Stats {
                 cut_share: has_flux.then(|| work.flux_cut / work.flux_emitted),
             },
             relative_error: render.film().relative_error(),
+            bias: render.film().bias().as_ref().map(BiasNumbers::of),
             errors,
             peak_memory_bytes: peak_memory(),
             snapshots: snapshots.iter().map(|path| path.display().to_string()).collect(),

@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 1` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 2` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers |
 //! | 8 | the length of the pilot |
@@ -142,7 +142,7 @@ fn said(value: &Value) -> String {
     }
 }
 
-const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 1\n";
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 2\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 const CHECKSUM: usize = 4;
@@ -271,7 +271,7 @@ mod tests {
         Identity::new(NotedAssets::new(&NoAssets).fingerprint(&description), &description)
     }
 
-    /// With weights and layers.
+    /// With weights, areas and layers.
     fn checkpoint(passes: &[u32]) -> Checkpoint {
         let mut film = Film::with_layers([3, 2], Layers::ALL);
         let mut held = PassSet::new();
@@ -279,7 +279,8 @@ mod tests {
             let value = (pass as f32).sin().abs();
             let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
             let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
-            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3 });
+            let area = Some((pass, 1.0 / f64::from(pass + 1)));
+            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3, area });
             held.insert(pass);
         }
         Checkpoint {
@@ -350,7 +351,7 @@ mod tests {
         let message = |bytes: &[u8]| Checkpoint::decode(bytes).expect_err("no film").message;
         assert_eq!(message(b""), "not a film of Lampyris");
         assert_eq!(message(b"PNG"), "not a film of Lampyris");
-        assert_eq!(message(b"LAMPYRIS FILM 2\n"), "a film of another version of Lampyris");
+        assert_eq!(message(b"LAMPYRIS FILM 1\n"), "a film of another version of Lampyris");
         assert_eq!(message(MAGIC), "the film is damaged or cut short");
     }
 

@@ -14,6 +14,7 @@
 pub mod camera;
 pub mod checkpoint;
 pub mod compare;
+pub mod denoise;
 pub mod error;
 pub mod film;
 pub mod geometry;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::checkpoint::{self, Checkpoint, Identity};
 use crate::error::{Error, Result};
-use crate::film::{Film, Layers, PassSet};
+use crate::film::{Exposure, Film, Layers, PassSet};
 use crate::integrator::{Integrator, Observer, Pass, integrator, resumed};
 use crate::scene::description::{AutoSettings, FilmDescription, IntegratorDescription, PathSettings};
 use crate::scene::{Scene, SceneDescription};
@@ -73,7 +73,9 @@ impl<'s> Render<'s> {
         let pass = Pass { index, seed: self.seed };
         let layers = self.film.layers();
         let scene = self.scene.of_pass(pass.seed, pass.index);
-        self.film.add_pass(&self.integrator.expose(&scene, &self.settings, &pass, layers, observer));
+        let exposure = self.integrator.expose(&scene, &self.settings, &pass, layers, observer);
+        let area = self.integrator.area(&pass).map(|area| (index, area));
+        self.film.add_pass(&Exposure { area, ..exposure });
         self.passes.insert(index);
         true
     }

@@ -246,6 +246,26 @@ fn on_a_floor_in_the_afternoon() {
     assert_agreement("sky and sun", &room(sky, &[FLOOR, WHITE, BALL]));
 }
 
+/// Photons from infinitely far away reach an infinite floor only near what is finite. `auto` must find by paths what they do
+/// not bring, and not count on them where a shadow ray or chance finds light that they never bring.
+#[test]
+fn on_an_endless_floor() {
+    let floor = "[[shapes]]\ntype = 'plane'\nnormal = [0, 1, 0]\ndistance = 1\n";
+    for light in [
+        "{ type = 'constant', radiance = [1, 2, 3] }",
+        "{ type = 'directional', direction = [0.5, -1, 0.2], angle = 40 }",
+        "{ type = 'directional', direction = [0.5, -1, 0.2] }",
+    ] {
+        let text = room(light, &[floor, WHITE, BALL, "material = { type = 'diffuse', reflectance = 0.9 }\n"])
+            .replace("fov = 40", "fov = 120");
+        let way = |settings: &str| blocks(&lit(&text, settings).passes(40));
+        let (path, auto) = (way("integrator=path samples=32"), way("integrator=auto photons=16384 samples=8"));
+        for (block, (path, auto)) in path.iter().zip(&auto).enumerate() {
+            assert_same_mean(&format!("{light}, block {block}"), path, auto, 48, KERNEL_BIAS * path[0]);
+        }
+    }
+}
+
 #[test]
 fn on_a_box_with_a_projector() {
     let board = "textures = { board = { type = 'checkerboard', color0 = [1, 0.5, 0.2], color1 = 0.1 } }\n";

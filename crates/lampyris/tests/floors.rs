@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The floor of each module, as ARCHITECTURE.md has them.
-const FLOORS: [(&str, u32); 23] = [
+const FLOORS: [(&str, u32); 24] = [
     ("math", 0),
     ("error", 0),
     ("image", 0),
@@ -28,6 +28,7 @@ const FLOORS: [(&str, u32); 23] = [
     ("output", 8),
     ("tonemap", 8),
     ("compare", 8),
+    ("denoise", 8),
     ("medium", 3),
 ];
 

@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, reason = "tests")]
 
 mod convert;
+mod denoising;
 mod films;
 mod interrupt;
 mod odd_files;

@@ -14,11 +14,14 @@ pub struct Exposure {
     pub weights: Vec<f32>,
     /// Camera samples of each pixel.
     pub samples: u32,
+    /// The number of the pass, and the area over which it gathers photons, that of pass 0 being 1; none where it does not
+    /// shrink from pass to pass. By it the [bias](super::Film::bias) is told.
+    pub area: Option<(u32, f64)>,
 }
 
 impl From<Image> for Exposure {
     fn from(image: Image) -> Exposure {
-        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0 }
+        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0, area: None }
     }
 }
 

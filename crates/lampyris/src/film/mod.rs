@@ -1,5 +1,6 @@
 //! The picture as it grows, pass by pass.
 
+mod bias;
 mod exact;
 mod exposure;
 mod filter;
@@ -8,6 +9,7 @@ mod passes;
 mod sinks;
 mod spread;
 
+pub use bias::Bias;
 pub use exposure::{Exposure, Features, Kind};
 pub use layers::{Layer, Layers};
 pub use passes::PassSet;
@@ -18,6 +20,7 @@ pub(crate) use spread::{Band, Sums};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use bias::BiasSums;
 use exact::ExactSums;
 use layers::LayerSums;
 
@@ -27,7 +30,8 @@ use crate::image::{Image, luminance};
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
 ///
-/// It takes 68 bytes a pixel, 51 more with a filter that spreads samples, and up to 340 more with all layers.
+/// It takes 68 bytes a pixel, 5 more where bias is told, 51 more with a filter that spreads samples, and up to 340 more with
+/// all layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -41,6 +45,8 @@ pub struct Film {
     squares: ExactSums,
     /// From the first pass on, if it has weights.
     weights: Option<Weights>,
+    /// From the first pass on, if its area is known.
+    bias: Option<BiasSums>,
     layers: LayerSums,
 }
 
@@ -51,6 +57,7 @@ pub(crate) struct FilmShape {
     passes: u32,
     samples: u64,
     has_weights: bool,
+    has_bias: bool,
     layers: Vec<String>,
     /// Whether any pass told of the layers.
     has_features: bool,
@@ -86,22 +93,26 @@ impl Film {
             sums: ExactSums::new(3 * pixels),
             squares: ExactSums::new(pixels),
             weights: None,
+            bias: None,
             layers: LayerSums::new(layers, pixels),
         }
     }
 
-    /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights count is for the first
-    /// pass to tell: all passes of a render have them, or none has.
+    /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights and areas count is for the
+    /// first pass to tell: all passes of a render have them, or none has.
     ///
     /// # Panics
     /// If the picture has another size, or if there were [`Film::MOST_PASSES`] already.
     pub fn add_pass(&mut self, pass: &Exposure) {
-        let Exposure { image, features, weights, samples } = pass;
+        let Exposure { image, features, weights, samples, area } = pass;
         let pixels = self.width * self.height;
         assert_eq!((image.width(), image.height()), (self.width, self.height), "a pass must have the film's size");
         assert!(self.passes < Film::MOST_PASSES, "a film holds no more than {} passes", Film::MOST_PASSES);
         if self.passes == 0 && !weights.is_empty() {
             self.weights = Some(Weights::new(pixels));
+        }
+        if self.passes == 0 && area.is_some() {
+            self.bias = Some(BiasSums::new(self.size()));
         }
         let (values, luminances) = (image.pixels().as_flattened(), |pixel: usize| luminance_of(image.pixels()[pixel]));
         self.sums.add_each(|index| f64::from(values[index]));
@@ -111,6 +122,9 @@ impl Film {
             sums.sums.add_each(weight);
             sums.squares.add_each(|pixel| weight(pixel).powi(2));
             sums.products.add_each(|pixel| weight(pixel) * luminances(pixel));
+        }
+        if let (Some(sums), Some((index, area))) = (&mut self.bias, *area) {
+            sums.add(index, area, image.pixels());
         }
         self.layers.add(features);
         self.passes += 1;
@@ -149,6 +163,12 @@ impl Film {
             (None, None) => {}
             _ => return Err(Error::new("a film with weights cannot be merged with one without")),
         }
+        match (&mut self.bias, &other.bias) {
+            (Some(own), Some(other)) => own.merge(other),
+            (None, None) => {}
+            // What some passes do not tell cannot be known of all.
+            _ => self.bias = None,
+        }
         self.sums.merge(&other.sums);
         self.squares.merge(&other.squares);
         self.layers.merge(&other.layers);
@@ -164,6 +184,7 @@ impl Film {
             passes: self.passes,
             samples: self.samples,
             has_weights: self.weights.is_some(),
+            has_bias: self.bias.is_some(),
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
         }
@@ -173,7 +194,8 @@ impl Film {
     pub(crate) fn write_sums(&self, bytes: &mut Vec<u8>) {
         let weights = self.weights.iter().flat_map(|weights| [&weights.sums, &weights.squares, &weights.products]);
         let sums = [&self.sums, &self.squares].into_iter().chain(weights);
-        sums.chain(self.layers.sums()).for_each(|sums| sums.write(bytes));
+        let bias = self.bias.iter().flat_map(BiasSums::sums);
+        sums.chain(bias).chain(self.layers.sums()).for_each(|sums| sums.write(bytes));
     }
 
     /// A film of this shape, with all of its sums from `bytes`; none unless these are as many and can be such.
@@ -190,8 +212,12 @@ impl Film {
             true => Some(Weights { sums: read(pixels)?, squares: read(pixels)?, products: read(pixels)? }),
             false => None,
         };
+        let bias = match shape.has_bias {
+            true => Some(BiasSums::read([width, height], &mut read)?),
+            false => None,
+        };
         let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, read)?;
-        Some(Film { width, height, passes: shape.passes, samples: shape.samples, sums, squares, weights, layers })
+        Some(Film { width, height, passes: shape.passes, samples: shape.samples, sums, squares, weights, bias, layers })
     }
 
     /// Width and height in pixels.
@@ -271,6 +297,20 @@ impl Film {
         if self.passes < 2 {
             return None;
         }
+        let (mean, variance) = self.means();
+        (mean > 0.0).then(|| variance.sqrt() / mean)
+    }
+
+    /// The bias of the picture's luminance, relative to the mean luminance, of passes with [a known area](Exposure::area);
+    /// none before some sixteen passes.
+    pub fn bias(&self) -> Option<Bias> {
+        let sums = self.bias.as_ref()?;
+        let (mean, _) = self.means();
+        sums.estimate(mean)
+    }
+
+    /// The means over the picture of luminance, and of its variance, which takes two passes.
+    fn means(&self) -> (f64, f64) {
         let add = |(mean, variance): (f64, f64), (more, of_more): (f64, f64)| (mean + more, variance + of_more);
         let pixels = self.width * self.height;
         let chunks: Vec<(f64, f64)> = (0..pixels.div_ceil(CHUNK))
@@ -280,7 +320,7 @@ impl Film {
             .collect();
         let (mean, variance) = chunks.into_iter().fold((0.0, 0.0), add);
         let pixels = pixels as f64;
-        (mean > 0.0).then(|| (variance / pixels).sqrt() / (mean / pixels))
+        (mean / pixels, variance / pixels)
     }
 }
 
@@ -302,7 +342,10 @@ impl FilmShape {
     pub(crate) fn bytes(&self) -> Option<usize> {
         let pixels = self.size[0].checked_mul(self.size[1])?;
         let each = 4 + if self.has_weights { 3 } else { 0 } + LayerSums::channels(self.layers()?);
-        pixels.checked_mul(each * ExactSums::BYTES)
+        let of_pixels = pixels.checked_mul(each * ExactSums::BYTES)?;
+        // There are fewer blocks than pixels.
+        let of_bias = if self.has_bias { BiasSums::count(self.size).checked_mul(ExactSums::BYTES)? } else { 0 };
+        of_pixels.checked_add(of_bias)
     }
 }
 

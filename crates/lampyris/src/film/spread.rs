@@ -96,6 +96,6 @@ impl<S: Sink> Sums<S> {
             self.pixels.iter().map(|(_, weight)| weight / n * white).collect()
         };
         let features = self.pixels.iter().filter_map(|(sum, _)| sum.features(samples, basis)).collect();
-        Exposure { image, features, weights, samples }
+        Exposure { image, features, weights, samples, area: None }
     }
 }

@@ -272,6 +272,10 @@ impl Integrator for Auto {
         }
     }
 
+    fn area(&self, pass: &Pass) -> Option<f64> {
+        Some(f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
+    }
+
     fn name(&self) -> &'static str {
         "auto"
     }

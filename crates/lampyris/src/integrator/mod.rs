@@ -46,6 +46,12 @@ pub trait Integrator: Send + Sync {
         observer: &dyn Observer,
     ) -> Exposure;
 
+    /// The area over which a pass gathers photons, that of the first being 1, if it shrinks from pass to pass: bias is in
+    /// proportion to it.
+    fn area(&self, _pass: &Pass) -> Option<f64> {
+        None
+    }
+
     /// Its name on the command line.
     fn name(&self) -> &'static str;
 

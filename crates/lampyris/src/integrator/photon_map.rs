@@ -103,6 +103,10 @@ impl Integrator for PhotonMapping {
         }
     }
 
+    fn area(&self, pass: &Pass) -> Option<f64> {
+        self.bandwidth.area(pass.index).filter(|_| self.settings.show == Show::Radiance)
+    }
+
     fn name(&self) -> &'static str {
         "photon-map"
     }

@@ -27,8 +27,8 @@ impl Emit for Constant {
         aim::evenly(self, surfaces, sampler)
     }
 
-    fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        far::illuminate(self, sampler)
+    fn illuminate(&self, _: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+        far::illuminate(self, at, sampler)
     }
 
     fn aim(&self) -> Option<&dyn Aim> {

@@ -23,10 +23,10 @@ pub trait Far {
     fn world(&self) -> &World;
 }
 
-/// [`Emit::illuminate`](super::Emit::illuminate), the same from everywhere.
-pub(super) fn illuminate(light: &impl Far, sampler: &mut Sampler) -> Option<Illumination> {
+/// [`Emit::illuminate`](super::Emit::illuminate).
+pub(super) fn illuminate(light: &impl Far, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
     let (to_light, radiance, pdf) = light.sample(sampler)?;
-    let emission = light.world().density();
+    let emission = light.world().density_at(at, -to_light);
     let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
     Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
 }

@@ -28,9 +28,11 @@ pub(super) fn encode(picture: &Picture<'_>) -> Result<Vec<u8>> {
     let image = picture.image;
     let mut list: SmallVec<[AnyChannel<FlatSamples>; 4]> =
         ["R", "G", "B"].iter().enumerate().map(|(index, name)| channel(name, image, index)).collect();
-    for (layer, values) in picture.layers {
-        let names = layer.channels().iter().enumerate();
-        list.extend(names.map(|(index, name)| channel(&format!("{}.{name}", layer.name()), values, index)));
+    let noisy = picture.noisy.map(|image| ("noisy", ["R", "G", "B"].as_slice(), image));
+    let layers = picture.layers.iter().map(|(layer, image)| (layer.name(), layer.channels(), image));
+    for (layer, names, image) in layers.chain(noisy) {
+        let names = names.iter().enumerate();
+        list.extend(names.map(|(index, name)| channel(&format!("{layer}.{name}"), image, index)));
     }
     let size = (image.width(), image.height());
     let layer = Layer::new(size, attributes(picture.facts), encoding, AnyChannels::sort(list));
@@ -243,13 +245,18 @@ mod tests {
         let facts =
             [("scene", Fact::Text("küche.xml".into())), ("passes", Fact::Whole(16)), ("seconds", Fact::Number(0.25))];
         let layers = [(crate::film::Layer::Normal, image.clone()), (crate::film::Layer::Depth, depth.clone())];
-        let bytes = encode(&Picture { image: &image, layers: &layers, facts: &facts }).expect("encodes");
+        let bytes =
+            encode(&Picture { image: &image, noisy: Some(&depth), layers: &layers, facts: &facts }).expect("encodes");
         assert_eq!(decode(&bytes).expect("a picture").0, image);
         assert_eq!(decode_layer(&bytes, "normal").expect("a layer"), image);
         assert_eq!(decode_layer(&bytes, "depth").expect("a layer"), depth);
+        assert_eq!(decode_layer(&bytes, "noisy").expect("a layer"), depth);
         let header = &MetaData::read_from_buffered(Cursor::new(&bytes), true).expect("valid").headers[0];
         let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
-        assert_eq!(names, ["B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
+        assert_eq!(
+            names,
+            ["B", "G", "R", "depth.Z", "noisy.B", "noisy.G", "noisy.R", "normal.X", "normal.Y", "normal.Z"]
+        );
         let fact = |name: &str| header.own_attributes.other.get(&Text::from(name)).cloned();
         let scene = Text::from_slice_unchecked("küche.xml".as_bytes());
         assert_eq!(fact("lampyris:scene"), Some(AttributeValue::Text(scene)));

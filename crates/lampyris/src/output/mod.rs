@@ -94,6 +94,8 @@ impl Format {
 pub struct Picture<'a> {
     /// Linear radiance.
     pub image: &'a Image,
+    /// Of the same size: the picture as it was rendered, if it was denoised since. The layer `noisy` of an EXR file.
+    pub noisy: Option<&'a Image>,
     /// Of the same size; a layer of one channel is read from the first.
     pub layers: &'a [(Layer, Image)],
     /// What is to be known of it, by name.
@@ -102,7 +104,7 @@ pub struct Picture<'a> {
 
 impl<'a> From<&'a Image> for Picture<'a> {
     fn from(image: &'a Image) -> Picture<'a> {
-        Picture { image, layers: &[], facts: &[] }
+        Picture { image, noisy: None, layers: &[], facts: &[] }
     }
 }
 

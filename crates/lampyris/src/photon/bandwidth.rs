@@ -44,6 +44,14 @@ impl Bandwidth {
             Bandwidth::Shrinking { initial, alpha } => Radius::Fixed(initial * shrunk::<D>(pass, alpha)),
         }
     }
+
+    /// The area of the disk at pass number `pass`, from 0, that of the first pass being 1; none if it does not shrink.
+    pub fn area(&self, pass: u32) -> Option<f64> {
+        match *self {
+            Bandwidth::Shrinking { alpha, .. } => Some(f64::from(shrunk::<2>(pass, alpha)).powi(2)),
+            _ => None,
+        }
+    }
 }
 
 /// What is left of the radius of the first pass at pass number `pass`, from 0, in D dimensions.
