@@ -44,7 +44,7 @@ const SEEDS: u64 = 16;
 
 /// Mean squared error after each of these numbers of passes, over 16 seeds.
 fn errors(settings: &str, at: &[u32]) -> Vec<f64> {
-    errors_from(exact(1.0), SCENE, settings, at)
+    errors_from(exact(1.0), SCENE, &format!("integrator=photon-map {settings}"), at)
 }
 
 /// The same for another scene, of which this is known.
