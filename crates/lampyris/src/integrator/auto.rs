@@ -1,7 +1,7 @@
 //! Path tracing that merges with photons, under multiple importance sampling (theory §5.4).
 //!
 //! Direct light is path traced; all other light can also come from photons that lie near a point of the camera's path,
-//! and the balance heuristic weighs all ways by their densities. Where photons are dense, few paths go on from there.
+//! and the power heuristic weighs all ways by their densities. Where photons are dense, few paths go on from there.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -45,6 +45,8 @@ struct Pilot {
     nearest: u32,
     /// How many photons are typically found in these.
     counts: [f32; 2],
+    /// How far photons stand for paths that go on, 0 to 1.
+    useful: f32,
     /// Where photons leave for.
     learned: Option<Learned>,
 }
@@ -65,6 +67,10 @@ const TIMES: [f32; 2] = [0.125, 4.0];
 
 /// What even numbers leave of the camera's variance, which is judged by independent ones; measured.
 const EVENNESS: f32 = 0.4;
+
+/// Where photons bring less than this share of the light, paths that go on do more for direct light, by meeting lamps, than
+/// photons save them.
+const LEAST_SHARE: f32 = 0.05;
 
 /// What is learned is used if it is worth so many times as many photons.
 const LEAST_GAIN: f32 = 1.5;
@@ -129,7 +135,7 @@ impl Pilot {
         let (further, counts) = (pilot::fallback(scene), [0.0; 2]);
         let paths = settings.photons.map_or(by_pixels, u64::from);
         let learned = settings.guiding.then(|| Learned::nothing(scene));
-        let mut pilot = Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, learned };
+        let mut pilot = Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned };
         let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
         for round in 0..=rounds {
             let pass = Pass { index: pilot::PASS - round, seed };
@@ -142,6 +148,7 @@ impl Pilot {
                 continue;
             }
             pilot.learned = pilot.learned.filter(|learned| learned.gain(scene, &pass, &judgement.worth) > LEAST_GAIN);
+            pilot.useful = (judgement.share / LEAST_SHARE).min(1.0);
             if settings.photons.is_none() {
                 pilot.choose_paths(&judgement, counting.rays());
             }
@@ -209,7 +216,7 @@ impl Pilot {
     /// With radii that have shrunk to this share.
     fn merging(&self, shrunk: f32) -> Merging {
         // As photons at a point and a path that goes on from there do the same, only so much of the latter is worth while.
-        let on = |count: f32| 1.0 / (1.0 + count * shrunk * shrunk);
+        let on = |count: f32| 1.0 / (1.0 + self.useful * count * shrunk * shrunk);
         let [first, further] = self.counts.map(on);
         Merging {
             paths: self.paths,

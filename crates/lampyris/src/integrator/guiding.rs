@@ -121,6 +121,8 @@ pub(super) struct Worth {
 pub(super) struct Judgement {
     /// Of each light path.
     pub worth: Vec<Worth>,
+    /// The share of the light that photons bring, mean over the pixels.
+    pub share: f32,
     /// Relative variance of a pixel's light, which comes from where the photons of a pass happen to lie.
     pub of_photons: f32,
     /// And what comes from where a path from the camera happens to go.
@@ -163,7 +165,7 @@ pub(super) fn judge(
     let all = || pairs.iter().flatten();
     let mean = all().map(|seen| f64::from(seen.light)).sum::<f64>() / (2 * PAIRS) as f64;
     let mut worth = vec![Worth::default(); map.paths_emitted() as usize];
-    let (mut of_photons, mut of_camera) = (0.0, 0.0);
+    let (mut brought_in_all, mut of_photons, mut of_camera) = (0.0, 0.0, 0.0);
     for [a, b] in &pairs {
         let unit = 1.0 / (0.5 * (a.light + b.light) + DARK * mean as f32);
         of_camera += f64::from((0.5 * ((a.light - b.light) * unit).powi(2)).min(MOST));
@@ -172,12 +174,13 @@ pub(super) fn judge(
             let worth = &mut worth[path as usize];
             worth.brought += share;
             worth.squares += share * share;
+            brought_in_all += f64::from(share);
             of_photons += f64::from(share * share);
         }
     }
     let rays = all().map(|seen| u64::from(seen.rays)).sum::<u64>() as f32 / (2 * PAIRS) as f32;
-    let of_photons = (of_photons / (2 * PAIRS) as f64) as f32;
-    Judgement { worth, of_photons, of_camera: (of_camera / PAIRS as f64) as f32, rays }
+    let [share, of_photons] = [brought_in_all, of_photons].map(|sum| (sum / (2 * PAIRS) as f64) as f32);
+    Judgement { worth, share, of_photons, of_camera: (of_camera / PAIRS as f64) as f32, rays }
 }
 
 /// What one path from the camera saw.
