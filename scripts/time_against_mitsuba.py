@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Times path tracing to equal error, Lampyris against Mitsuba 3, on the same scene at the same depth.
+"""Times Lampyris against the path tracing of Mitsuba 3 to equal error, on the same scene at the same depth.
 
     pip install mitsuba
-    python scripts/time_against_mitsuba.py SCENE.xml [--size 256x256] [--samples 64] [--runs 8] [--define NAME=VALUE]
+    python scripts/time_against_mitsuba.py SCENE.xml [--size 256x256] [--samples 64] [--runs 8] [--integrator path] [--define NAME=VALUE]
 
 Each program renders the scene `--runs` times with different seeds, in turns. The error is relMSE, the mean over pixels
 and channels of variance / (mean^2 + 0.01): the variance is that between a program's own runs, the mean that of all.
@@ -32,7 +32,7 @@ def mitsuba_run(scene, options, seed):
 def lampyris_run(options, seed):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     start = time.perf_counter()
-    picture, statistics = renders.render(options, seed, options.size, options.passes or options.samples, "path")
+    picture, statistics = renders.render(options, seed, options.size, options.passes or options.samples, options.integrator)
     all_clock = time.perf_counter() - start
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -53,6 +53,7 @@ def main():
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--passes", type=int, help="of Lampyris, if not --samples")
     parser.add_argument("--runs", type=int, default=8)
+    parser.add_argument("--integrator", default="path", help="of Lampyris; Mitsuba traces paths")
     parser.add_argument("--target", type=float, default=0.01)
     parser.add_argument("--mitsuba-scene", help="what Mitsuba renders instead, where its own file needs an edit")
     parser.add_argument("--variant", default="llvm_ad_rgb")

@@ -115,7 +115,7 @@ pub struct RenderArguments {
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
 
-    /// photon-map, path or light [default: the scene's]
+    /// auto, photon-map, path or light [default: the scene's, or auto]
     #[arg(long, value_name = "NAME")]
     pub integrator: Option<String>,
 

@@ -6,7 +6,7 @@ use crate::checkpoint::{self, Checkpoint, Identity};
 use crate::error::{Error, Result};
 use crate::film::{Exposure, Film, Layers, PassSet};
 use crate::integrator::{Integrator, Observer, Pass, integrator, resumed};
-use crate::scene::description::{FilmDescription, IntegratorDescription};
+use crate::scene::description::{AutoSettings, FilmDescription, IntegratorDescription, PathSettings};
 use crate::scene::{Scene, SceneDescription};
 
 /// A render under way. It knows neither clock nor budget: its owner decides after each pass whether to go on.
@@ -99,8 +99,9 @@ impl<'s> Render<'s> {
 /// How many passes make a good quick picture, where the user and the file say nothing.
 pub fn default_passes(integrator: &IntegratorDescription) -> u32 {
     match integrator {
-        IntegratorDescription::Auto(_) | IntegratorDescription::PhotonMap(_) => 16,
-        IntegratorDescription::Path(settings) => 64_u32.div_ceil(settings.samples.max(1)),
+        IntegratorDescription::PhotonMap(_) => 16,
+        IntegratorDescription::Auto(AutoSettings { samples, .. })
+        | IntegratorDescription::Path(PathSettings { samples, .. }) => 64_u32.div_ceil((*samples).max(1)),
         IntegratorDescription::Light(_) => 64,
     }
 }

@@ -155,15 +155,58 @@ fn on_a_floor_of_plastic_under_a_ball_of_plastic() {
     let plastic = "material = { type = 'plastic', reflectance = [0.9, 0.5, 0.2] }\n";
     // Light tracing cannot see what is mirrored in the coat: a black world but for the floor leaves nothing to see.
     assert_agreement("plastic floor", &room(POINT, &[FLOOR, plastic]));
+    let rough = "material = { type = 'plastic', reflectance = [0.9, 0.5, 0.2], roughness = { alpha = 0.4 } }\n";
+    assert_agreement("rough plastic floor", &room(POINT, &[FLOOR, rough, BALL]));
     let text = room(POINT, &[WALLS, BALL, plastic]);
     let passes = 40;
     let mean = |way: &str| lit(&text, way).means(passes)[0].clone();
     let reference = mean("integrator=path samples=32");
-    for direct in ["photons", "next-event"] {
-        let way =
-            format!("integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct={direct} seed=2");
-        assert_same_mean(&format!("plastic ball, {way}"), &reference, &mean(&way), 1, KERNEL_BIAS);
+    for way in [
+        "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct=photons seed=2",
+        "integrator=photon-map photons=32768 bandwidth=fixed radius=0.03 samples=8 direct=next-event seed=2",
+        "integrator=auto photons=32768 samples=8 seed=2",
+    ] {
+        assert_same_mean(&format!("plastic ball, {way}"), &reference, &mean(way), 1, KERNEL_BIAS);
     }
+}
+
+/// Shadow rays find it past the pane alone.
+#[test]
+fn on_a_box_lit_by_a_lamp_behind_a_pane_of_glass() {
+    let behind = |glass: &str| {
+        format!(
+            "[[shapes]]
+             type = 'quad'
+             corner = [-0.4, 0.97, -0.4]
+             u = [0.8, 0, 0]
+             v = [0, 0, 0.8]
+             emission = {{ radiance = [3, 4, 5] }}
+             [[shapes]]
+             type = 'cube'
+             transform = [{{ scale = [0.6, 0.04, 0.6] }}, {{ translate = [0, 0.85, 0] }}]
+             material = {glass}\n"
+        )
+    };
+    for glass in ["{ type = 'glass' }", "{ type = 'glass', ior = 1.4, roughness = { alpha = 0.3 } }"] {
+        assert_agreement(&format!("lamp behind {glass}"), &room("", &[WALLS, BALL, &behind(glass)]));
+    }
+}
+
+/// No shadow ray finds it.
+#[test]
+fn on_a_box_lit_by_a_lamp_in_a_ball_of_glass() {
+    let inside = "
+        [[shapes]]
+        type = 'sphere'
+        center = [-0.5, 0.5, 0.4]
+        radius = 0.15
+        emission = { radiance = [10, 20, 30] }
+        [[shapes]]
+        type = 'sphere'
+        center = [-0.5, 0.5, 0.4]
+        radius = 0.25
+        material = { type = 'glass' }\n";
+    assert_agreement("lamp in glass", &room("", &[WALLS, BALL, inside]));
 }
 
 #[test]
@@ -201,6 +244,26 @@ fn on_a_floor_under_a_picture_of_the_sky() {
 fn on_a_floor_in_the_afternoon() {
     let sky = "{ type = 'sky', sun-direction = [1, 1, -0.5], sun-scale = 0.1, sun-angle = 20 }";
     assert_agreement("sky and sun", &room(sky, &[FLOOR, WHITE, BALL]));
+}
+
+/// Photons from infinitely far away reach an infinite floor only near what is finite. `auto` must find by paths what they do
+/// not bring, and not count on them where a shadow ray or chance finds light that they never bring.
+#[test]
+fn on_an_endless_floor() {
+    let floor = "[[shapes]]\ntype = 'plane'\nnormal = [0, 1, 0]\ndistance = 1\n";
+    for light in [
+        "{ type = 'constant', radiance = [1, 2, 3] }",
+        "{ type = 'directional', direction = [0.5, -1, 0.2], angle = 40 }",
+        "{ type = 'directional', direction = [0.5, -1, 0.2] }",
+    ] {
+        let text = room(light, &[floor, WHITE, BALL, "material = { type = 'diffuse', reflectance = 0.9 }\n"])
+            .replace("fov = 40", "fov = 120");
+        let way = |settings: &str| blocks(&lit(&text, settings).passes(40));
+        let (path, auto) = (way("integrator=path samples=32"), way("integrator=auto photons=16384 samples=8"));
+        for (block, (path, auto)) in path.iter().zip(&auto).enumerate() {
+            assert_same_mean(&format!("{light}, block {block}"), path, auto, 48, KERNEL_BIAS * path[0]);
+        }
+    }
 }
 
 #[test]

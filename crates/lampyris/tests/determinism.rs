@@ -7,7 +7,8 @@ use lampyris::film::Layers;
 use lampyris::image::Image;
 use lampyris::integrator::{Pass, Silent, integrator};
 
-/// The course's box with all lengths times `scale`, and the lamp's power by its square.
+/// The course's box with all lengths times `scale`, and the power of its lamps by the square: a point, and a ball in the
+/// glass one. Light is scattered by all kinds of things.
 fn box_of_size(scale: f64) -> String {
     let v = |x: f64, y: f64, z: f64| format!("[{:?}, {:?}, {:?}]", x * scale, y * scale, z * scale);
     let quad = |corner: (f64, f64, f64), u: (f64, f64, f64), w: (f64, f64, f64), reflectance: &str| {
@@ -21,9 +22,15 @@ fn box_of_size(scale: f64) -> String {
             "[[shapes]]\ntype = 'plane'\nnormal = {normal}\ndistance = {scale:?}\nmaterial = {{ type = 'diffuse' }}\n"
         )
     };
-    let ball = |center: String, material: &str| {
-        format!("[[shapes]]\ntype = 'sphere'\ncenter = {center}\nradius = {:?}\nmaterial = {material}\n", 0.3 * scale)
+    let ball = |radius: f64, center: String, material: &str| {
+        let radius = radius * scale;
+        format!("[[shapes]]\ntype = 'sphere'\ncenter = {center}\nradius = {radius:?}\nmaterial = {material}\n")
     };
+    let lamp = ball(
+        0.1,
+        v(0.5, -0.7, -0.25),
+        &format!("{{ type = 'diffuse' }}\nemission = {{ power = {:?} }}", 4.0 * scale * scale),
+    );
     format!(
         "film = {{ size = [24, 24] }}
          lights = [{{ type = 'point', position = {light}, power = {power:?} }}]
@@ -48,8 +55,11 @@ fn box_of_size(scale: f64) -> String {
             0.1 * scale,
             v(0.2, 0.1, 0.3)
         )
-        + &ball(v(-0.5, -0.7, 0.25), "{ type = 'plastic' }")
-        + &ball(v(0.5, -0.7, -0.25), "{ type = 'glass' }")
+        + &ball(0.3, v(-0.5, -0.7, 0.25), "{ type = 'plastic' }")
+        + &ball(0.3, v(0.5, -0.7, -0.25), "{ type = 'glass' }")
+        + &lamp
+        + &ball(0.2, v(0.1, -0.8, -0.5), "{ type = 'glass', roughness = { alpha = 0.3 } }")
+        + &ball(0.2, v(-0.4, 0.1, 0.4), "{ type = 'plastic', roughness = { alpha = 0.2 } }")
 }
 
 const WAYS: [&str; 7] = [

@@ -324,5 +324,5 @@ fn a_white_plate_in_a_glass_ball_vanishes() {
         normal = [0, 1, 0]
         radius = 0.6
         material = { type = 'diffuse', reflectance = 1 }";
-    assert_radiance("plate", text, &["integrator=path samples=64", ALL[3]], [1.0; 3], 0.08);
+    assert_radiance("plate", text, &["integrator=path samples=64", ALL[3], ALL[4]], [1.0; 3], 0.08);
 }

@@ -20,7 +20,7 @@ fn photons(paths: u32, rest: &str) -> Lit {
         film = { size = [1, 1] }\n"
         .to_string()
         + rest;
-    lit(&text, &format!("photons={paths} bandwidth=fixed radius=1 direct=photons max_bounces=64"))
+    lit(&text, &format!("integrator=photon-map photons={paths} bandwidth=fixed radius=1 direct=photons max_bounces=64"))
 }
 
 /// The photons of a pass that lie at height `y` and have been through this many mirrors and boundaries.
@@ -205,7 +205,8 @@ fn a_thin_lens_concentrates_light_by_its_focal_length() {
         roughness: None,
     };
     description.shapes.push(mesh(dome, glass));
-    let lit = built(description, &format!("photons={paths} bandwidth=fixed radius=1 direct=photons"));
+    let lit =
+        built(description, &format!("integrator=photon-map photons={paths} bandwidth=fixed radius=1 direct=photons"));
     let gathered_from = spot * focal / (focal - behind);
     let transmitted = (1.0 - fresnel_by_hand(0.0, n)).powi(2);
     let expected = transmitted * PI * gathered_from * gathered_from / emitted_area(&lit);
@@ -227,7 +228,8 @@ fn a_parabolic_mirror_sends_all_its_light_to_the_focus() {
     );
     let mirror = MaterialDescription::Mirror { reflectance: Paint::grey(1.0) };
     description.shapes.push(mesh(parabola(0.5, radius, 128, around), mirror));
-    let lit = built(description, &format!("photons={paths} bandwidth=fixed radius=1 direct=photons"));
+    let lit =
+        built(description, &format!("integrator=photon-map photons={paths} bandwidth=fixed radius=1 direct=photons"));
     let focused: f64 = (lit.map(0).photons().iter())
         .filter(|photon| photon.bounce == 1 && photon.history == Event::Specular.into())
         .map(|photon| f64::from(photon.flux.mean()) / f64::from(paths))

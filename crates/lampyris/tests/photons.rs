@@ -74,7 +74,7 @@ const ROOM: &str = "
     material = { type = 'mask', opacity = 0.5, material = { type = 'diffuse' } }";
 
 fn room(direct: &str) -> Lit {
-    lit(ROOM, &format!("photons=50000 bandwidth=fixed radius=0.1 direct={direct} max_bounces=12"))
+    lit(ROOM, &format!("integrator=photon-map photons=50000 bandwidth=fixed radius=0.1 direct={direct} max_bounces=12"))
 }
 
 /// How many photons lie on a ball.
@@ -212,7 +212,12 @@ fn the_ledger_of_energy_closes() {
         radius = 0.4
         material = { type = 'mirror' }";
     for max_bounces in [4, 64] {
-        let lit = lit(room, &format!("photons=4000 bandwidth=fixed radius=1 direct=photons max_bounces={max_bounces}"));
+        let lit = lit(
+            room,
+            &format!(
+                "integrator=photon-map photons=4000 bandwidth=fixed radius=1 direct=photons max_bounces={max_bounces}"
+            ),
+        );
         let IntegratorDescription::PhotonMap(settings) = &lit.description.integrator else {
             panic!("not a photon map")
         };
@@ -235,7 +240,7 @@ fn the_ledger_of_energy_closes() {
 #[test]
 fn photons_of_grey_things_all_carry_the_same_flux() {
     let text = ROOM.replace("[0.7, 0.5, 0.6]", "0.6");
-    let settings = "photons=20000 bandwidth=fixed radius=0.1 direct=photons";
+    let settings = "integrator=photon-map photons=20000 bandwidth=fixed radius=0.1 direct=photons";
     let power = 4.0 * std::f32::consts::PI;
     for photon in lit(&text, settings).map(0).photons() {
         // Plastic is chosen by an estimate of its albedo, and so has weights near 1 only.
@@ -272,7 +277,7 @@ fn a_slab_delays_light_by_its_thickness_times_index_less_one() {
         .to_string()
         + &slab(1.0, 0.75, 1.0, "{ type = 'glass', ior = 1.6 }")
         + &square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = 0 }");
-    let map = lit(&text, "photons=20000 bandwidth=fixed radius=1 direct=photons").map(0);
+    let map = lit(&text, "integrator=photon-map photons=20000 bandwidth=fixed radius=1 direct=photons").map(0);
     let beside =
         (map.photons().iter()).find(|photon| photon.bounce == 0).expect("a photon past the slab").optical_length;
     let mut seen = [0, 0];

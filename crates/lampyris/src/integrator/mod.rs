@@ -10,6 +10,8 @@ mod path;
 mod photon_map;
 mod photons;
 mod pilot;
+#[cfg(test)]
+mod tests;
 
 pub use auto::Auto;
 pub use light::LightTracing;

@@ -4,8 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
-use crate::geometry::Surfaces;
+use super::{Far, World};
 use crate::math::warp;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -22,24 +21,6 @@ pub struct Constant {
 /// Density of a direction per solid angle, the same for all.
 const PDF: f32 = 1.0 / (4.0 * PI);
 
-impl Emit for Constant {
-    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        aim::evenly(self, surfaces, sampler)
-    }
-
-    fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        far::illuminate(self, sampler)
-    }
-
-    fn aim(&self) -> Option<&dyn Aim> {
-        Some(self)
-    }
-
-    fn power(&self, _: &Surfaces) -> Spectrum {
-        self.radiance * (self.world.cross_section() / PDF)
-    }
-}
-
 impl Far for Constant {
     fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
         Some((warp::sphere(sampler.square()), self.radiance, PDF))
@@ -47,6 +28,10 @@ impl Far for Constant {
 
     fn world(&self) -> &World {
         &self.world
+    }
+
+    fn power(&self) -> Spectrum {
+        self.radiance * (self.world.cross_section() / PDF)
     }
 
     fn radiance(&self, _: Vec3) -> Spectrum {

@@ -24,9 +24,9 @@ impl Emit for Directional {
         aim::evenly(self, surfaces, sampler)
     }
 
-    fn illuminate(&self, _: &Surfaces, _: Vec3, _: &mut Sampler) -> Option<Illumination> {
+    fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
         let to_light = -self.direction.normal;
-        let emission = self.world.density();
+        let emission = self.world.density_at(at, self.direction.normal);
         Some(Illumination {
             to_light,
             target: None,

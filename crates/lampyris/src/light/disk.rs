@@ -4,8 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
-use crate::geometry::Surfaces;
+use super::{Far, World};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -35,24 +34,6 @@ impl SkyDisk {
     }
 }
 
-impl Emit for SkyDisk {
-    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        aim::evenly(self, surfaces, sampler)
-    }
-
-    fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        far::illuminate(self, sampler)
-    }
-
-    fn aim(&self) -> Option<&dyn Aim> {
-        Some(self)
-    }
-
-    fn power(&self, _: &Surfaces) -> Spectrum {
-        self.radiance * (self.solid_angle() * self.world.cross_section())
-    }
-}
-
 impl Far for SkyDisk {
     fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
         let toward = self.toward.to_world(warp::cap(sampler.square(), self.height));
@@ -61,6 +42,10 @@ impl Far for SkyDisk {
 
     fn world(&self) -> &World {
         &self.world
+    }
+
+    fn power(&self) -> Spectrum {
+        self.radiance * (self.solid_angle() * self.world.cross_section())
     }
 
     fn radiance(&self, toward: Vec3) -> Spectrum {

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::{Aim, Emission, Emit, Far, Illumination, World, aim, far};
-use crate::geometry::Surfaces;
+use super::{Far, World};
 use crate::image::Image;
 use crate::math::Grid;
 use crate::sampler::Sampler;
@@ -210,24 +209,6 @@ impl Mapping {
     }
 }
 
-impl Emit for Environment {
-    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
-        aim::evenly(self, surfaces, sampler)
-    }
-
-    fn illuminate(&self, _: &Surfaces, _: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        far::illuminate(self, sampler)
-    }
-
-    fn aim(&self) -> Option<&dyn Aim> {
-        Some(self)
-    }
-
-    fn power(&self, _: &Surfaces) -> Spectrum {
-        self.integral * self.world.cross_section()
-    }
-}
-
 impl Far for Environment {
     fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
         let (at, pdf) = self.grid.sample(sampler.square());
@@ -238,6 +219,10 @@ impl Far for Environment {
 
     fn world(&self) -> &World {
         &self.world
+    }
+
+    fn power(&self) -> Spectrum {
+        self.integral * self.world.cross_section()
     }
 
     fn radiance(&self, toward: Vec3) -> Spectrum {

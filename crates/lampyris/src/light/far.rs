@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-use super::{Aim, Emission, Illumination, Section, Source, Start, World};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, World, aim};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::Frame;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
-/// Light from infinitely far away that rays meet when they leave the scene.
+/// Light from infinitely far away that rays meet when they leave the scene; it emits and illuminates by these.
 pub trait Far {
     /// Radiance that arrives from there, in W/(m² sr).
     fn radiance(&self, toward: Vec3) -> Spectrum;
@@ -21,14 +21,30 @@ pub trait Far {
 
     /// What the photons must cover.
     fn world(&self) -> &World;
+
+    /// Flux in W that comes to what the photons must cover.
+    fn power(&self) -> Spectrum;
 }
 
-/// [`Emit::illuminate`](super::Emit::illuminate), the same from everywhere.
-pub(super) fn illuminate(light: &impl Far, sampler: &mut Sampler) -> Option<Illumination> {
-    let (to_light, radiance, pdf) = light.sample(sampler)?;
-    let emission = light.world().density();
-    let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
-    Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
+impl<F: Far> Emit for F {
+    fn emit(&self, surfaces: &Surfaces, sampler: &mut Sampler) -> Option<Emission> {
+        aim::evenly(self, surfaces, sampler)
+    }
+
+    fn illuminate(&self, _: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+        let (to_light, radiance, pdf) = self.sample(sampler)?;
+        let emission = self.world().density_at(at, -to_light);
+        let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
+        Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
+    }
+
+    fn aim(&self) -> Option<&dyn Aim> {
+        Some(self)
+    }
+
+    fn power(&self, _: &Surfaces) -> Spectrum {
+        Far::power(self)
+    }
 }
 
 impl<F: Far> Aim for F {

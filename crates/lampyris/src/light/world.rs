@@ -37,8 +37,15 @@ impl World {
     }
 
     /// Density of the place where such a ray starts, per area across it.
-    pub fn density(&self) -> f32 {
+    pub(super) fn density(&self) -> f32 {
         1.0 / self.cross_section()
+    }
+
+    /// Density of the rays in this direction that come to a point, per area across them: none come to what lies beside the
+    /// sphere or before it, as parts of infinite planes do.
+    pub fn density_at(&self, at: Vec3, direction: Vec3) -> f32 {
+        let before = (at - self.center).dot(direction) < -self.radius;
+        if before || !self.covers(&Ray { origin: at, direction }) { 0.0 } else { self.density() }
     }
 
     /// Area of that disk.

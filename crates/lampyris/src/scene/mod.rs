@@ -393,7 +393,9 @@ impl Scene {
         let (toward, back) = (ray.direction, Ray { origin: ray.origin, direction: -ray.direction });
         self.far_lights().map(move |(index, light)| {
             let pdf = light.pdf(toward);
-            let emission = move || pdf * light.world().density() * self.emission_factor(index, back, Vec3::ZERO);
+            let emission = move || {
+                pdf * light.world().density_at(ray.origin, -toward) * self.emission_factor(index, back, Vec3::ZERO)
+            };
             (self.basis.lanes(light.radiance(toward)), self.lights.selection.probability(index) * pdf, emission)
         })
     }

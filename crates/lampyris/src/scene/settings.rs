@@ -19,7 +19,7 @@ use super::schema::{Fields, Form, Node, Schema};
 use crate::error::{Error, Result, did_you_mean};
 
 /// Names that [`SceneDescription::use_integrator`] knows.
-pub const INTEGRATORS: [&str; 4] = ["photon-map", "path", "light", "auto"];
+pub const INTEGRATORS: [&str; 4] = ["auto", "photon-map", "path", "light"];
 
 /// The parts of a scene that can be set, in the order in which a bare key is looked for.
 const SECTIONS: [&str; 4] = ["integrator", "film", "camera", "render"];
@@ -254,7 +254,8 @@ mod tests {
     use crate::scene::description::{BandwidthRule, FilterDescription, FovAxis, KernelName, Show};
 
     fn scene() -> SceneDescription {
-        SceneDescription { camera: Some(CameraDescription::default()), ..Default::default() }
+        let integrator = IntegratorDescription::PhotonMap(PhotonMapSettings::default());
+        SceneDescription { camera: Some(CameraDescription::default()), integrator, ..Default::default() }
     }
 
     fn photon_map(scene: &SceneDescription) -> &PhotonMapSettings {
@@ -424,7 +425,7 @@ mod tests {
     fn unknown_integrators_are_errors_with_a_way_out() {
         let message = |name: &str| scene().use_integrator(name).expect_err("no such integrator").to_string();
         assert_eq!(message("pat"), "unknown integrator 'pat'; did you mean 'path'?");
-        assert_eq!(message("zzz"), "unknown integrator 'zzz'; the integrators are photon-map, path, light, auto");
+        assert_eq!(message("zzz"), "unknown integrator 'zzz'; the integrators are auto, photon-map, path, light");
     }
 
     #[test]

@@ -4,10 +4,10 @@ use super::Importer;
 use super::document::Kind;
 use super::query::Query;
 use crate::error::Result;
-use crate::scene::description::{IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings};
+use crate::scene::description::{AutoSettings, IntegratorDescription, LightSettings, PhotonMapSettings};
 
 impl<'a> Importer<'a> {
-    /// The first integrator of the scene; without one, path tracing, as there.
+    /// The first integrator of the scene. Whatever finds all light there becomes the default here, of its depth.
     pub(super) fn integrator(&mut self, integrators: &[usize]) -> Result<()> {
         for &other in integrators.iter().skip(1) {
             self.left_out(other, "only the first integrator is used");
@@ -17,7 +17,7 @@ impl<'a> Importer<'a> {
                 self.note("integrator", self.document.objects[object].spot);
                 self.one_integrator(object)?
             }
-            None => IntegratorDescription::Path(PathSettings::default()),
+            None => IntegratorDescription::default(),
         };
         self.description().integrator = integrator;
         Ok(())
@@ -31,17 +31,17 @@ impl<'a> Importer<'a> {
         if query.boolean("hide_emitters", false)? {
             self.warn(query.spot("hide_emitters"), "'hide_emitters' is not supported: lights stay visible");
         }
-        let path = |max_bounces: Option<u32>| {
-            let default = PathSettings::default();
+        let auto = |max_bounces: Option<u32>| {
+            let default = AutoSettings::default();
             let max_bounces = max_bounces.unwrap_or(default.max_bounces);
-            IntegratorDescription::Path(PathSettings { max_bounces, ..default })
+            IntegratorDescription::Auto(AutoSettings { max_bounces, ..default })
         };
         let integrator = match plugin {
-            "path" => path(max_bounces),
-            // Emission and one scattering event: a path tracer stopped after the first.
+            "path" => auto(max_bounces),
+            // Emission and one scattering event: all paths are cut after the first.
             "direct" => {
                 query.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
-                path(Some(1))
+                auto(Some(1))
             }
             "ptracer" | "particle" => {
                 query.ignore(&["samples"]);
@@ -51,9 +51,9 @@ impl<'a> Importer<'a> {
             }
             "photonmapper" | "ppm" | "sppm" => photon_map(query, max_bounces)?,
             _ => {
-                let message = format!("integrator '{plugin}' is not supported: path tracing of its depth is used");
+                let message = format!("integrator '{plugin}' is not supported: 'auto' of its depth is used");
                 self.warn(query.object.spot, message);
-                return Ok(path(max_bounces));
+                return Ok(auto(max_bounces));
             }
         };
         self.leftovers(query);

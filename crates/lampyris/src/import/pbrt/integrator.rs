@@ -3,7 +3,7 @@
 use super::Importer;
 use super::statement::Statement;
 use crate::error::{Result, did_you_mean};
-use crate::scene::description::{IntegratorDescription, LightSettings, PathSettings, PhotonMapSettings};
+use crate::scene::description::{AutoSettings, IntegratorDescription, LightSettings, PhotonMapSettings};
 
 /// What pbrt does without `maxdepth`.
 const DEFAULT_DEPTH: u32 = 5;
@@ -25,11 +25,12 @@ const SORTS: [&str; 12] = [
 ];
 
 impl Importer<'_> {
-    /// The integrator; without one, path tracing, as there. Its depth counts scattering events, as ours.
+    /// The integrator. Whatever finds all light there becomes the default here, of its depth, which counts scattering events
+    /// in both.
     pub(super) fn integrator(&mut self, statement: Option<&Statement>) -> Result<()> {
-        let path = |max_bounces| IntegratorDescription::Path(PathSettings { max_bounces, ..PathSettings::default() });
+        let auto = |max_bounces| IntegratorDescription::Auto(AutoSettings { max_bounces, ..AutoSettings::default() });
         let Some(statement) = statement else {
-            self.description().integrator = path(DEFAULT_DEPTH);
+            self.description().integrator = auto(DEFAULT_DEPTH);
             return Ok(());
         };
         let max_bounces = self.placed(statement.count("maxdepth"))?.unwrap_or(DEFAULT_DEPTH);
@@ -40,19 +41,19 @@ impl Importer<'_> {
         let integrator = match statement.sort() {
             "path" | "volpath" | "simplepath" | "simplevolpath" | "randomwalk" => {
                 statement.ignore(&["samplebsdf", "samplelights"]);
-                path(max_bounces)
+                auto(max_bounces)
             }
             "lightpath" => IntegratorDescription::Light(LightSettings { max_bounces, ..LightSettings::default() }),
             "sppm" => self.photon_map(statement, max_bounces)?,
             sort => {
-                let message = format!("integrator '{sort}' is not supported: path tracing of its depth is used");
+                let message = format!("integrator '{sort}' is not supported: 'auto' of its depth is used");
                 match did_you_mean(sort, SORTS).filter(|near| *near != sort) {
                     Some(near) => self.warn_with(statement.spot, message, &format!("did you mean '{near}'?")),
                     None => self.warn(statement.spot, message),
                 }
                 // What it says of an integrator that we do not have needs no word.
                 statement.leftovers();
-                path(max_bounces)
+                auto(max_bounces)
             }
         };
         self.leftovers(statement);

@@ -65,11 +65,11 @@ fn the_ten_lines_are_ten() {
 }
 
 #[test]
-fn an_integrator_without_type_is_the_photon_map() {
-    let IntegratorDescription::PhotonMap(settings) = scene("integrator.k = 7").integrator else {
-        panic!("the photon map is the default");
+fn an_integrator_without_type_is_auto() {
+    let IntegratorDescription::Auto(settings) = scene("integrator.samples = 7").integrator else {
+        panic!("auto is the default");
     };
-    assert_eq!(settings.k, 7);
+    assert_eq!(settings.samples, 7);
 }
 
 #[test]
@@ -253,14 +253,14 @@ fn a_wrong_value_is_told_in_the_words_of_a_user() {
 
 #[test]
 fn whole_numbers_and_words_are_told_with_their_choice() {
-    fails("[integrator]\nk = -3\n", "s.toml:2:5: 'k' must be a whole number from 0 to 4294967295, not -3");
+    fails("[integrator]\nsamples = -3\n", "s.toml:2:11: 'samples' must be a whole number from 0 to 4294967295, not -3");
     fails(
         "[integrator]\nphotons = 1e6\n",
         "s.toml:2:11: 'photons' must be a whole number from 0 to 4294967295, not 1e6; write it as 1000000",
     );
     fails(
-        "[integrator]\ndirect = 'photon'\n",
-        "s.toml:2:10: 'direct' must be 'next-event' or 'photons', not 'photon'; did you mean 'photons'?",
+        "[integrator]\ntype = 'photon-map'\ndirect = 'photon'\n",
+        "s.toml:3:10: 'direct' must be 'next-event' or 'photons', not 'photon'; did you mean 'photons'?",
     );
 }
 

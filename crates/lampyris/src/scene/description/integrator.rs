@@ -8,19 +8,19 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum IntegratorDescription {
+    /// Path tracing that merges with photons where they help.
+    Auto(AutoSettings),
     /// Photon mapping: walks from the lamps leave photons, walks from the camera gather them.
     PhotonMap(PhotonMapSettings),
     /// Path tracing with next-event estimation and multiple importance sampling: the reference.
     Path(PathSettings),
     /// Light tracing: walks from the lamps, each vertex connected to the camera.
     Light(LightSettings),
-    /// Path tracing that merges with photons where they help.
-    Auto(AutoSettings),
 }
 
 impl Default for IntegratorDescription {
     fn default() -> IntegratorDescription {
-        IntegratorDescription::PhotonMap(PhotonMapSettings::default())
+        IntegratorDescription::Auto(AutoSettings::default())
     }
 }
 

@@ -27,7 +27,7 @@ fn unknown_integrators_leave_their_depth() {
             "<integrator type='{plugin}'><integer name='max_depth' value='7'/><boolean name='caustic_bounces' value='true'/></integrator>"
         );
         let imported = taken(&content, 1);
-        let IntegratorDescription::Path(path) = imported.description.integrator else { panic!("no path tracer") };
+        let IntegratorDescription::Auto(path) = imported.description.integrator else { panic!("no path tracer") };
         assert_eq!(path.max_bounces, 6, "{plugin}");
     }
 }
@@ -123,7 +123,7 @@ fn a_parameter_may_stand_for_a_plugin() {
     let text =
         "<scene version='3.0.0'><default name='integrator' value='direct'/><integrator type='$integrator'/></scene>";
     let with = |defines: &[_]| read_files(&[("a.xml", text)], defines).expect("valid").description.integrator;
-    assert!(matches!(with(&[]), IntegratorDescription::Path(path) if path.max_bounces == 1));
+    assert!(matches!(with(&[]), IntegratorDescription::Auto(path) if path.max_bounces == 1));
     assert!(matches!(with(&[("integrator", "ptracer")]), IntegratorDescription::Light(_)));
 }
 

@@ -371,11 +371,11 @@ fn film_filter_and_sampler_are_taken() {
 fn depths_become_bounces() {
     let integrator = |content: &str| clean(&format!("<integrator {content}</integrator>")).description.integrator;
     let depth = |depth: i32| match integrator(&format!("type='path'><integer name='max_depth' value='{depth}'/>")) {
-        IntegratorDescription::Path(settings) => settings.max_bounces,
+        IntegratorDescription::Auto(settings) => settings.max_bounces,
         other => panic!("{other:?} is no path tracer"),
     };
     assert_eq!([depth(1), depth(2), depth(64), depth(-1)], [0, 1, 63, 256]);
-    assert!(matches!(integrator("type='direct'>"), IntegratorDescription::Path(settings) if settings.max_bounces == 1));
+    assert!(matches!(integrator("type='direct'>"), IntegratorDescription::Auto(settings) if settings.max_bounces == 1));
     assert!(matches!(integrator("type='ptracer'>"), IntegratorDescription::Light(_)));
     let sppm = "type='sppm'><integer name='max_depth' value='9'/><integer name='photon_count' value='77'/>";
     assert!(
@@ -383,7 +383,7 @@ fn depths_become_bounces() {
     );
     let unknown = scene("<integrator type='vcm'><integer name='max_depth' value='5'/></integrator>").expect("valid");
     assert!(
-        matches!(unknown.description.integrator, IntegratorDescription::Path(settings) if settings.max_bounces == 4)
+        matches!(unknown.description.integrator, IntegratorDescription::Auto(settings) if settings.max_bounces == 4)
     );
     assert_eq!(unknown.warnings.len(), 1);
 }

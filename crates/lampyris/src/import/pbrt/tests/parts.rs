@@ -83,17 +83,17 @@ fn film_filter_and_sampler_are_read_with_pbrts_defaults() {
 #[test]
 fn integrators_become_the_nearest_we_have_with_the_same_depth() {
     let integrator = |text: &str| scene(text).expect("valid").description.integrator;
-    assert!(matches!(integrator("WorldBegin"), IntegratorDescription::Path(path) if path.max_bounces == 5));
+    assert!(matches!(integrator("WorldBegin"), IntegratorDescription::Auto(path) if path.max_bounces == 5));
     let path = integrator("Integrator \"volpath\" \"integer maxdepth\" 9");
-    assert!(matches!(path, IntegratorDescription::Path(path) if path.max_bounces == 9));
+    assert!(matches!(path, IntegratorDescription::Auto(path) if path.max_bounces == 9));
     let sppm = integrator(
         "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 20 Integrator \"sppm\" \"float radius\" 0.5",
     );
     let IntegratorDescription::PhotonMap(sppm) = sppm else { panic!("a photon map") };
     assert_eq!((sppm.photons, sppm.radius, sppm.max_bounces), (200, Some(0.5), 5));
     let bdpt = scene("Integrator \"bdpt\" \"integer maxdepth\" 7").expect("valid");
-    assert!(matches!(bdpt.description.integrator, IntegratorDescription::Path(ref path) if path.max_bounces == 7));
-    assert!(messages(&bdpt)[0].contains("integrator 'bdpt' is not supported: path tracing of its depth is used"));
+    assert!(matches!(bdpt.description.integrator, IntegratorDescription::Auto(ref path) if path.max_bounces == 7));
+    assert!(messages(&bdpt)[0].contains("integrator 'bdpt' is not supported: 'auto' of its depth is used"));
 }
 
 #[test]
