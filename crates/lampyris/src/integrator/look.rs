@@ -11,7 +11,7 @@ use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{PathState, Rivals, Visitor, direct_light, mis_weight, squared};
+use crate::transport::{PathState, Rivals, Visitor, direct_light, mis_weight, norm, squared};
 
 /// Adds up the light that a path from the camera meets.
 pub(super) struct Look<'a, S> {
@@ -94,9 +94,9 @@ impl<'a> Merge<'a> {
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, smooth: bool) -> f32 {
         let at = self.rivals.at(point);
         self.went_on = if smooth { self.goes_on() } else { 1.0 };
-        let back = if smooth && at > 0.0 { at * squared(point.pdf_back(scattered.to_next, Lobes::ALL)) } else { 0.0 };
+        let back = if smooth && at > 0.0 { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
         let after = |smooth| Rivals::after(at, smooth, self.went_on, point, scattered);
-        (self.rivals, self.rivals_of_lamps) = (after(back + squared(self.here)), after(back));
+        (self.rivals, self.rivals_of_lamps) = (after(norm([back, self.here])), after(back));
         self.first &= !smooth;
         self.went_on
     }
@@ -127,18 +127,18 @@ impl<'a> Merge<'a> {
         let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
         if point.is_lambertian() {
             // The same as below, for the most frequent case.
-            let nearer = 1.0 + at * squared(point.cos(point.to_previous) * (FRAC_1_PI * per_photon));
-            let farther = squared(on * FRAC_1_PI * per_photon);
+            let nearer = 1.0 + squared(at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon));
+            let farther = on * FRAC_1_PI * per_photon;
             self.sum(&estimate, (point, path, radius), |photon| {
-                let others = nearer + farther * photon.rivals * squared(point.cos(photon.direction));
+                let others = nearer + squared(farther * photon.rivals * point.cos(photon.direction));
                 sets(photon, counts(photon), others)
             })
         } else {
             self.sum(&estimate, (point, path, radius), |photon| {
                 let to_light = -photon.direction;
-                let nearer = if at > 0.0 { at * squared(point.pdf_back(to_light, Lobes::ALL)) } else { 0.0 };
-                let farther = photon.rivals * squared(on * point.pdf(to_light, Lobes::ALL));
-                sets(photon, counts(photon), 1.0 + (nearer + farther) * squared(per_photon))
+                let nearer = if at > 0.0 { at * point.pdf_back(to_light, Lobes::ALL) } else { 0.0 };
+                let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
+                sets(photon, counts(photon), 1.0 + squared(nearer * per_photon) + squared(farther * per_photon))
             })
         }
     }
@@ -183,7 +183,7 @@ impl<'a, S> Look<'a, S> {
             None => self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, of_shadow_rays(from))),
             Some(merge) => {
                 let shadow_rays = self.last.map_or(0.0, |(from, pdf)| squared(of_shadow_rays(from) / pdf));
-                1.0 / (1.0 + shadow_rays + merge.rivals_of_lamps.at_lamp(of_photons))
+                1.0 / (1.0 + shadow_rays + squared(merge.rivals_of_lamps.at_lamp(of_photons)))
             }
         }
     }
@@ -219,8 +219,8 @@ impl<S: Sink> Visitor for Look<'_, S> {
                         // On the first smooth surface photons are no rivals of shadow rays.
                         let photons = if at > 0.0 {
                             let emission = self.scene.emission_toward(point.surface.position, light, illumination);
-                            at * squared(
-                                point.pdf_back(to_light, Lobes::ALL) * emission * point.geometric_cos(to_light),
+                            squared(
+                                at * point.pdf_back(to_light, Lobes::ALL) * emission * point.geometric_cos(to_light),
                             )
                         } else {
                             0.0

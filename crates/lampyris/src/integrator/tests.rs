@@ -551,10 +551,12 @@ fn compare(scene: &Scene, chain: &Chain, seen: &mut Seen) {
     for &(way, density) in &ways {
         // None for a shadow ray that does not get there.
         let Some(weight) = chain.weight(scene, way) else { return };
-        let expected = density * density / total;
+        // What is compared is densities, whose squares the weights are.
+        let expected = density / total.sqrt();
         assert!(
-            (weight - expected).abs() < 2e-3 * expected + 1e-6,
-            "{way:?} has the weight {weight} instead of {expected}: {ways:?}, {:?}",
+            (weight.sqrt() - expected).abs() < 1e-3 * expected + 1e-6,
+            "{way:?} has the weight {weight} instead of {}: {ways:?}, {:?}",
+            expected * expected,
             chain.between
         );
         sum += weight;

@@ -5,7 +5,7 @@ use crate::light::{Emission, LightId};
 use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{PathState, Rivals, Visitor, squared};
+use crate::transport::{PathState, Rivals, Visitor, norm};
 
 /// Leaves a photon wherever a walk from a lamp meets a smooth lobe; follows all lobes.
 #[derive(Debug)]
@@ -54,8 +54,7 @@ impl<'s> Instead<'s> {
             From::Nowhere => (0.0, 0.0),
             From::Light(light, emission) => {
                 let cos = point.geometric_cos(point.to_previous);
-                let (chance, shadow_ray) = self.scene.instead_of(*light, emission, point.surface.position, cos);
-                (squared(chance), squared(shadow_ray))
+                self.scene.instead_of(*light, emission, point.surface.position, cos)
             }
             From::Surface(rivals) => (rivals.at(point), 0.0),
         };
@@ -104,11 +103,12 @@ impl Visitor for Deposit<'_> {
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
         let wants = self.wants(path);
         if let Some(instead) = &mut self.instead {
-            let here = if wants { squared(instead.merging) } else { 0.0 };
+            let here = if wants { instead.merging } else { 0.0 };
             let (at, shadow_rays) = instead.at;
             let smooth = Lobes::SMOOTH.contains(scattered.event);
-            let back = if smooth { squared(instead.on * point.pdf_back(scattered.to_next, Lobes::ALL)) } else { 0.0 };
-            instead.from = From::Surface(Rivals::after(at, at * back + shadow_rays + here, 1.0, point, scattered));
+            let back = if smooth { instead.on * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
+            instead.from =
+                From::Surface(Rivals::after(at, norm([at * back, shadow_rays, here]), 1.0, point, scattered));
         }
     }
 }

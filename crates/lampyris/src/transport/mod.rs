@@ -8,6 +8,6 @@ mod walk;
 
 pub use direct::{direct_light, mis_weight};
 pub use path::{Origin, PathState};
-pub use rivals::{Rivals, squared};
+pub use rivals::{Rivals, norm, squared};
 pub use roulette::survive;
 pub use walk::{End, Limits, Visitor, Walked, walk};
