@@ -24,6 +24,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod medium;
 pub mod observer;
 pub mod output;
 pub mod photon;

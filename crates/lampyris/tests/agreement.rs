@@ -316,6 +316,8 @@ fn on_a_ball_of_few_triangles_with_smooth_normals() {
         ..MeshData::default()
     };
     let ball = ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry: GeometryDescription::Triangles(Arc::new(finer(&octahedron, 0.3))),
         material: Some(MaterialRef::Inline(Box::new(MaterialDescription::Diffuse { reflectance: Paint::grey(1.0) }))),
         emission: None,

@@ -161,6 +161,8 @@ fn parabola(focus: f32, radius: f32, rings: u32, around: u32) -> MeshData {
 /// A shape of triangles.
 fn mesh(data: MeshData, material: MaterialDescription) -> ShapeDescription {
     ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry: GeometryDescription::Triangles(Arc::new(data)),
         material: Some(MaterialRef::Inline(Box::new(material))),
         emission: None,

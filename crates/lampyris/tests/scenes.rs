@@ -167,3 +167,37 @@ fn veachs_room_is_as_bright_as_in_mitsuba() {
     let ratio = cut / (3 * image.pixels().len()) as f64 / 0.3470;
     assert!((ratio - 1.0).abs() < 0.05, "the mean is {ratio} of Mitsuba's");
 }
+
+/// Mitsuba's own scenes of media, whose pictures come with the variance of a sample: path traced, each of 16 × 16 blocks of
+/// 3 × 3 pixels is a z-test (the references have far more samples), of 6 × 768 together, odds 1e-6. Two more of its
+/// scenes cut paths behind several thin panes, which count there as nothing and here as scattering events.
+#[test]
+fn mitsubas_scenes_of_media_are_its_references() {
+    const CRITICAL: f64 = 6.6;
+    for name in ["hetero_sigmat", "homo_dielectric_envmap", "homo_null_envmap", "homo_roughdielectric_spot"] {
+        let folder = "scenes/mitsuba-media-tests/tests/scenes/participating_media";
+        let Some(path) = shared(&format!("{folder}/test_{name}_volpath.xml")) else { return };
+        let picture = |what: &str| {
+            let path = shared(&format!("{folder}/refs/test_{name}_{what}.exr")).expect("it lies beside the scene");
+            read_image(&path).expect("a reference")
+        };
+        let (reference, variance) = (picture("ref_rgb"), picture("ref_rgb_var"));
+        let (mut imported, scene) = loaded(&path);
+        let description = &mut imported.description;
+        description.use_integrator("path").expect("an integrator");
+        description.set("samples", "32").expect("a setting");
+        let (passes, samples) = (8, 8.0 * 32.0);
+        let image = rendered(&scene, description, passes);
+        let block = |image: &Image, x: usize, y: usize, channel: usize| {
+            let pixels = (0..9).map(|i| f64::from(image.pixel(3 * x + i % 3, 3 * y + i / 3)[channel]));
+            pixels.sum::<f64>() / 9.0
+        };
+        for (y, x, channel) in (0..16).flat_map(|y| (0..16).flat_map(move |x| (0..3).map(move |c| (y, x, c)))) {
+            let [ours, theirs, variance] = [&image, &reference, &variance].map(|image| block(image, x, y, channel));
+            // Of dark blocks, where few samples bring anything, at least what a tenth of a per cent of the mean is.
+            let error = (variance.max(1e-4) / (9.0 * samples)).sqrt() + 0.002 * theirs;
+            let z = (ours - theirs) / error;
+            assert!(z.abs() < CRITICAL, "{name}, block {x} {y}, channel {channel}: {ours} is not {theirs}, z = {z}");
+        }
+    }
+}

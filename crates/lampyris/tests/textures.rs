@@ -113,6 +113,8 @@ fn the_colours_of_vertices_are_mixed_between_them() {
         ..MeshData::default()
     };
     let shape = |data: MeshData| ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry: GeometryDescription::Triangles(Arc::new(data)),
         material: Some(MaterialRef::Inline(Box::new(MaterialDescription::Diffuse {
             reflectance: Paint::Texture("corners".into()),

@@ -24,6 +24,8 @@ pub fn cornell_box() -> Scene {
 /// A displaced sphere of 786,432 triangles in a box, with a point light between them.
 pub fn blob() -> Scene {
     let shape = |geometry| ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry,
         material: None,
         emission: None,

@@ -6,9 +6,10 @@ use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use super::{gzip, obj, ply, serialized, source, stl};
+use super::{gzip, obj, ply, serialized, source, stl, vol};
 use crate::error::{Error, Result};
 use crate::geometry::MeshData;
+use crate::medium::VolumeData;
 use crate::observer::{Observer, Silent, Work};
 use crate::output::decode_texture;
 use crate::scene::Assets;
@@ -21,14 +22,15 @@ pub struct Files<'o> {
     embedded: HashMap<String, Arc<[u8]>>,
     meshes: Shared<(String, u32), MeshData>,
     pictures: Shared<(String, bool), Raster>,
+    volumes: Shared<String, VolumeData>,
 }
 
 impl<'o> Files<'o> {
     /// Names are relative to the folder of `scene_file`.
     pub fn beside(scene_file: &Path) -> Files<'o> {
         let folder = scene_file.parent().unwrap_or(Path::new("")).to_path_buf();
-        let (meshes, pictures) = (Shared::default(), Shared::default());
-        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes, pictures }
+        let (meshes, pictures, volumes) = (Shared::default(), Shared::default(), Shared::default());
+        Files { folder, observer: &Silent, embedded: HashMap::new(), meshes, pictures, volumes }
     }
 
     /// The same, telling `observer` how many bytes were read, file by file.
@@ -61,6 +63,17 @@ impl<'o> Files<'o> {
         picture
     }
 
+    fn read_volume(&self, file: &str) -> Result<VolumeData> {
+        if let Some(bytes) = self.embedded.get(file) {
+            return vol::read(file, bytes);
+        }
+        let path = self.folder.join(file);
+        let bytes = source::read(&path).map_err(|error| Error::io(&path, "read", &error))?;
+        let volume = vol::read(&path.to_string_lossy(), &bytes);
+        self.tell(&path);
+        volume
+    }
+
     fn tell(&self, path: &Path) {
         let bytes = fs::metadata(path).map_or(0, |file| file.len());
         self.observer.work(&Work { bytes, ..Work::default() });
@@ -74,6 +87,10 @@ impl Assets for Files<'_> {
 
     fn picture(&self, file: &str, raw: bool) -> Result<Arc<Raster>> {
         self.pictures.get((file.to_string(), raw), || self.read_picture(file, raw))
+    }
+
+    fn volume(&self, file: &str) -> Result<Arc<VolumeData>> {
+        self.volumes.get(file.to_string(), || self.read_volume(file))
     }
 }
 

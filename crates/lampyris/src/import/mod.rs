@@ -19,6 +19,7 @@ mod spectrum;
 pub mod stl;
 pub mod toml;
 mod value;
+mod vol;
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -70,6 +70,8 @@ fn shape(
     emission: Option<EmissionDescription>,
 ) -> ShapeDescription {
     ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry: GeometryDescription::Triangles(mesh),
         material,
         emission,

@@ -13,13 +13,14 @@ use super::blocks::camera_pass;
 use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
-use super::photons::Photons;
+use super::photons::{Maps, Photons};
+use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::light::Guide;
 use crate::material::Lobes;
-use crate::photon::{Instead, Nearest, PhotonMap, Radius, shrunk};
+use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
 use crate::scene::Scene;
 use crate::scene::description::{AutoSettings, FilmDescription};
 use crate::transport::{Limits, Origin, walk};
@@ -49,6 +50,8 @@ struct Pilot {
     useful: f32,
     /// Where photons leave for.
     learned: Option<Learned>,
+    /// How light in media is estimated, where there are any.
+    volume: Option<VolumeEstimate>,
 }
 
 /// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
@@ -64,6 +67,9 @@ const FURTHER_COUNT: usize = 5;
 const PATHS_PER_PIXEL: f32 = 0.5;
 const PATHS: [f32; 2] = [16_384.0, 1_048_576.0];
 const TIMES: [f32; 2] = [0.125, 4.0];
+
+/// A ray through a medium typically finds so many photons.
+const VOLUME_COUNT: usize = 30;
 
 /// What even numbers leave of the camera's variance, which is judged by independent ones; measured.
 const EVENNESS: f32 = 0.4;
@@ -108,13 +114,14 @@ impl Auto {
     fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
         let scene = &*guided(scene, &self.guide);
         let merging = self.merging(pass);
-        let map = photon_map(scene, &merging, self.settings.max_bounces, pass, observer);
+        let Maps { surface, volume } =
+            photon_maps(scene, &merging, self.pilot.volume, self.settings.max_bounces, pass, observer);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let samples = self.settings.samples;
         camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
-            let merge = Merge::new(&map, merging, found);
-            let mut look = Look::new(scene, limits.max_bounces, sink, Some(merge));
+            let merge = Merge::new(&surface, merging, found);
+            let mut look = Look::merging(scene, limits.max_bounces, sink, merge, volume.as_ref());
             walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
         })
     }
@@ -138,14 +145,16 @@ impl Pilot {
         let (further, counts) = (pilot::fallback(scene), [0.0; 2]);
         let paths = settings.photons.map_or(by_pixels, u64::from);
         let learned = settings.guiding.then(|| Learned::nothing(scene));
-        let mut pilot = Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned };
+        let mut pilot =
+            Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned, volume: None };
         let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
         for round in 0..=rounds {
             let pass = Pass { index: pilot::PASS - round, seed };
             let scene = &*guided(scene, &pilot.guide());
             let counting = Counting::new(observer);
-            let map = pilot.look_around(scene, film, settings, &pass, &counting);
-            let judgement = guiding::judge(scene, film, settings, &pass, &map, pilot.merging(1.0));
+            pilot.volume = pilot.volume_estimate(scene, film, settings, seed, &counting);
+            let maps = pilot.look_around(scene, film, settings, &pass, &counting);
+            let judgement = guiding::judge(scene, film, settings, &pass, &maps, pilot.merging(1.0));
             if round < rounds {
                 pilot.learned = pilot.learned.map(|learned| learned.more(scene, &pass, &judgement.worth));
                 continue;
@@ -158,7 +167,9 @@ impl Pilot {
         }
         // What is changed so is measured again.
         let pass = Pass { index: pilot::PASS - rounds - 1, seed };
-        pilot.look_around(&guided(scene, &pilot.guide()), film, settings, &pass, observer);
+        let scene = &*guided(scene, &pilot.guide());
+        pilot.look_around(scene, film, settings, &pass, observer);
+        pilot.volume = pilot.volume_estimate(scene, film, settings, seed, observer);
         pilot
     }
 
@@ -172,6 +183,22 @@ impl Pilot {
         self.nearest = (NEAREST as f32 * times.sqrt().max(1.0)) as u32;
     }
 
+    /// How light in media is estimated with so many photons.
+    fn volume_estimate(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        settings: &AutoSettings,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Option<VolumeEstimate> {
+        let (volume, radius, alpha) = (settings.volume, settings.volume_radius, None);
+        let (kernel, shrinks, count) = (Kernel::Epanechnikov, true, VOLUME_COUNT);
+        let wishes = Wishes { volume, radius, alpha, kernel, shrinks, count };
+        let photons = Photons { paths: self.paths, max_bounces: settings.max_bounces, direct: false, volume: None };
+        VolumeEstimate::new(scene, film, wishes, photons, seed, observer)
+    }
+
     /// Leaves photons and sets the radii by them.
     fn look_around(
         &mut self,
@@ -180,11 +207,11 @@ impl Pilot {
         settings: &AutoSettings,
         pass: &Pass,
         observer: &dyn Observer,
-    ) -> PhotonMap {
-        let map = photon_map(scene, &self.merging(1.0), settings.max_bounces, pass, observer);
+    ) -> Maps {
+        let maps = photon_maps(scene, &self.merging(1.0), self.volume, settings.max_bounces, pass, observer);
         observer.phase(Phase::Pilot);
-        self.set_radii(scene, film, settings, &map, pass.seed);
-        map
+        self.set_radii(scene, film, settings, &maps.surface, pass.seed);
+        maps
     }
 
     fn set_radii(
@@ -224,6 +251,7 @@ impl Pilot {
             && positive(self.further)
             && self.counts.iter().all(|&count| count >= 0.0)
             && (0.0..=1.0).contains(&self.useful)
+            && self.volume.is_none_or(|volume| volume.is_fit())
             && learned.is_none_or(|learned| settings.guiding && learned.is_fit(scene))
     }
 
@@ -275,11 +303,18 @@ impl Observer for Counting<'_> {
     }
 }
 
-/// The photon map of a pass: of light that has been scattered at least once, or that only photons find.
-fn photon_map(scene: &Scene, merging: &Merging, max_bounces: u32, pass: &Pass, observer: &dyn Observer) -> PhotonMap {
-    let photons = Photons { paths: merging.paths, max_bounces, direct: false };
+/// The photon maps of a pass: on surfaces, of light that has been scattered at least once, or that only photons find.
+fn photon_maps(
+    scene: &Scene,
+    merging: &Merging,
+    volume: Option<VolumeEstimate>,
+    max_bounces: u32,
+    pass: &Pass,
+    observer: &dyn Observer,
+) -> Maps {
+    let photons = Photons { paths: merging.paths, max_bounces, direct: false, volume };
     let instead = || Some(Instead::new(scene, merging.density(merging.further), merging.on_from_further));
-    photons.map(scene, pass, Radius::Fixed(merging.shrunk * merging.further), instead, observer)
+    photons.maps(scene, pass, Radius::Fixed(merging.shrunk * merging.further), instead, observer)
 }
 
 impl Integrator for Auto {

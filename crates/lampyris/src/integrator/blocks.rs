@@ -40,7 +40,11 @@ pub(super) fn camera_pass<W, S: Sink>(
                 let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
                 let place = film.filter.place(sampler.square());
                 let (ray, response) = scene.view(corner + 0.5 + place, &mut sampler);
-                let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
+                let path = PathState {
+                    cone: scene.cone(),
+                    inside: scene.inside_of_view(&ray),
+                    ..PathState::new(ray, Spectrum::grey(response))
+                };
                 let mut sink = S::default();
                 rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 band.add(x, place, &film.filter, &sink);
@@ -94,7 +98,11 @@ pub(super) fn light_pass<V: Visitor + Send>(
         for index in range {
             let Some((light, emission, mut sampler)) = emitted(scene, pass, index) else { continue };
             visitor.emitted(index, light, &emission);
-            let path = PathState { hidden_lamp: emission.is_hidden(), ..PathState::new(emission.ray, emission.flux) };
+            let path = PathState {
+                hidden_lamp: emission.is_hidden(),
+                inside: scene.inside_at(emission.ray.origin),
+                ..PathState::new(emission.ray, emission.flux)
+            };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
             work.rays += u64::from(walked.rays);
             let watts = |flux: Spectrum| f64::from(Spectrum::from_rgb(scene.basis().to_rgb(flux)).mean());

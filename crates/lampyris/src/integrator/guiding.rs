@@ -11,10 +11,11 @@ use super::Pass;
 use super::blocks::emitted;
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
+use super::photons::Maps;
 use crate::film::{Plain, Sink};
 use crate::light::{Focus, Guide, Lesson, LightId};
 use crate::material::Event;
-use crate::photon::{Nearest, PhotonMap};
+use crate::photon::Nearest;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::{AutoSettings, FilmDescription};
@@ -157,7 +158,7 @@ pub(super) fn judge(
     film: &FilmDescription,
     settings: &AutoSettings,
     pass: &Pass,
-    map: &PhotonMap,
+    maps: &Maps,
     merging: Merging,
 ) -> Judgement {
     let limits = Limits { max_bounces: settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
@@ -167,10 +168,14 @@ pub(super) fn judge(
         let mut found = Nearest::default();
         let mut see = |pixel: Vec2, mut sampler: Sampler| {
             let (ray, response) = scene.view(pixel, &mut sampler);
-            let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
+            let path = PathState {
+                cone: scene.cone(),
+                inside: scene.inside_of_view(&ray),
+                ..PathState::new(ray, Spectrum::grey(response))
+            };
             let (mut sink, mut tally) = (Plain::default(), Vec::new());
-            let merge = Merge::new(map, merging, &mut found).tallied(&mut tally);
-            let mut look = Look::new(scene, limits.max_bounces, &mut sink, Some(merge));
+            let merge = Merge::new(&maps.surface, merging, &mut found).tallied(&mut tally);
+            let mut look = Look::merging(scene, limits.max_bounces, &mut sink, merge, maps.volume.as_ref());
             let rays = walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut look).rays;
             Seen { light: sink.radiance().mean(), tally, rays }
         };
@@ -184,7 +189,7 @@ pub(super) fn judge(
     let pairs: Vec<[Seen; 2]> = (0..PAIRS / GROUP).into_par_iter().flat_map_iter(group).collect();
     let all = || pairs.iter().flatten();
     let mean = all().map(|seen| f64::from(seen.light)).sum::<f64>() / (2 * PAIRS) as f64;
-    let mut worth = vec![Worth::default(); map.paths_emitted() as usize];
+    let mut worth = vec![Worth::default(); maps.surface.paths_emitted() as usize];
     let (mut brought_in_all, mut of_photons, mut of_camera) = (0.0, 0.0, 0.0);
     for [a, b] in &pairs {
         let unit = 1.0 / (0.5 * (a.light + b.light) + DARK * mean as f32);

@@ -3,18 +3,20 @@
 //! It cannot see what the camera sees through glass or in mirrors; lamps and the background in plain sight are added by
 //! rays from the camera.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::blocks::{camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
+use crate::camera::Seen;
 use crate::film::{Exposure, Kind, Layered, Layers, Plain, Sink};
-use crate::material::{Bsdf, Lobes};
+use crate::light::Illumination;
+use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{Limits, Origin, PathState, Visitor, walk};
+use crate::transport::{Crossing, Limits, MediumPoint, Origin, PathState, Visitor, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -73,33 +75,41 @@ fn emission<S: Sink>(
         &Rowless(observer),
         || (),
         |path, sampler, (), sink: &mut S| {
-            let (mut light, mut ray, mut share, mut rays) = (Spectrum::ZERO, path.ray, 1.0, 0);
-            let mut bsdf = Bsdf::default();
-            // On through holes, if there are any.
-            while share > 0.0 {
-                let Some(point) = scene.closest_in_cone(&ray, path.cone, &mut bsdf) else {
-                    light += scene.background(ray.direction) * share;
-                    break;
-                };
-                rays += 1;
-                light += scene.emitted(&point) * share;
-                share *= point.bsdf.holes();
-                ray = point.surface.spawn(ray.direction);
-            }
-            sink.add(path.throughput * light, 0);
+            let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+            let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
             if S::LAYERED {
-                let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
                 rays += walk(scene, path, Origin::Camera, &limits, sampler, &mut Surfaces(sink)).rays;
             }
-            rays.max(1)
+            rays
         },
     )
+}
+
+/// Adds what shines in plain sight, or through holes.
+struct InSight<'a, S> {
+    scene: &'a Scene,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Visitor for InSight<'_, S> {
+    const CROSSING: Crossing = Crossing::Fade;
+
+    fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
+        self.sink.add(path.throughput * self.scene.emitted(point), 0);
+        point.bsdf.lobes().and(Lobes::HOLES)
+    }
+
+    fn escaped(&mut self, path: &PathState) {
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), 0);
+    }
 }
 
 /// Tells of surfaces as far as the first with a smooth lobe.
 struct Surfaces<'a, S>(&'a mut S);
 
 impl<S: Sink> Visitor for Surfaces<'_, S> {
+    const CROSSING: Crossing = Crossing::Fade;
+
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
         self.0.surface(point, path);
         if point.bsdf.lobes().meets(Lobes::SMOOTH) { Lobes::NONE } else { Lobes::DELTA }
@@ -136,29 +146,64 @@ struct Splat<'a> {
 impl Visitor for Splat<'_> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
-            let splat = self.connect(point, path, sampler.square());
+            let splat = self.connect(point, path, sampler);
             self.splats.extend(splat);
         }
         Lobes::ALL
     }
+
+    fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> bool {
+        if path.bounce < self.max_bounces {
+            let splat = self.connect_particle(point, path, sampler);
+            self.splats.extend(splat);
+        }
+        true
+    }
 }
 
 impl Splat<'_> {
-    fn connect(&self, point: &SurfacePoint, path: &PathState, lens: Vec2) -> Option<Arrival> {
-        let seen = self.scene.seen_by_camera(point.surface.position, lens)?;
+    /// The camera as a point sees it, if the point is in the picture.
+    fn seen(&self, at: Vec3, sampler: &mut Sampler) -> Option<(Seen, Vec3)> {
+        let seen = self.scene.seen_by_camera(at, sampler.square())?;
         self.film.pixels_at(seen.pixel).next()?;
-        let to_camera = (seen.lens - point.surface.position).normalize();
+        Some((seen, (seen.lens - at).normalize()))
+    }
+
+    fn connect(&self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Option<Arrival> {
+        let at = point.surface.position;
+        let (seen, to_camera) = self.seen(at, sampler)?;
         // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.
         let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
             / point.geometric_over_shading(point.to_previous).max(1e-3);
         let value = point.eval(to_camera) * (cos * seen.importance);
-        let visibility = if value.is_zero() { 0.0 } else { self.scene.visibility_of(&point.surface, seen.lens) };
-        let light = path.throughput * value * visibility;
+        let way = Illumination::way(at, seen.lens);
+        let light = match value.is_zero() {
+            true => value,
+            false if self.scene.has_media() => {
+                path.throughput * value * self.scene.passage_to(point, &path.inside, &way, sampler)
+            }
+            false => path.throughput * value * self.scene.visibility(&point.surface, &way),
+        };
+        Arrival::of(&seen, light, path)
+    }
+
+    fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Arrival> {
+        let (seen, to_camera) = self.seen(point.position, sampler)?;
+        let way = Illumination::way(point.position, seen.lens);
+        let passage = self.scene.passage(point.position, path.inside, &way, sampler);
+        let value = point.albedo * (point.value(to_camera) * seen.importance);
+        Arrival::of(&seen, path.throughput * value * passage, path)
+    }
+}
+
+impl Arrival {
+    /// Light that a path brings to the camera, unless there is none.
+    fn of(seen: &Seen, light: Spectrum, path: &PathState) -> Option<Arrival> {
         let kind = match path.bounce {
             0 => Kind::Direct,
             _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
             _ => Kind::Other,
         };
-        (visibility > 0.0).then_some(Arrival { at: seen.pixel, light, kind })
+        (!light.is_zero()).then_some(Arrival { at: seen.pixel, light, kind })
     }
 }

@@ -4,17 +4,24 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use super::volume::gather;
 use crate::film::Sink;
 use crate::light::{Illumination, LightId};
 use crate::material::{Lobes, Scattered};
-use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius};
+use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{PathState, Rivals, Visitor, direct_light, mis_weight, norm, squared};
+use crate::transport::{
+    Crossing, MediumPoint, PathState, Rivals, Segment, Visitor, direct_light, direct_light_in_medium, mis_weight, norm,
+    squared,
+};
 
 /// Adds up the light that a path from the camera meets.
-pub(super) struct Look<'a, S> {
+///
+/// By itself it collides with particles of media; with photons, it gathers what they left there until it first scatters
+/// smoothly: beyond, those on surfaces bring that light.
+pub(super) struct Look<'a, S, const MERGES: bool> {
     scene: &'a Scene,
     max_bounces: u32,
     sink: &'a mut S,
@@ -23,6 +30,7 @@ pub(super) struct Look<'a, S> {
     /// Smooth events so far.
     smooth_events: u32,
     merge: Option<Merge<'a>>,
+    volume: Option<&'a VolumeMap>,
 }
 
 /// How paths from the camera are merged with the photons of a pass.
@@ -171,11 +179,25 @@ fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; 
     std::array::from_fn(|set| if set == 0 || photon.is_caustic() { weight } else { 0.0 })
 }
 
-impl<'a, S> Look<'a, S> {
-    pub(super) fn new(scene: &'a Scene, max_bounces: u32, sink: &'a mut S, merge: Option<Merge<'a>>) -> Look<'a, S> {
-        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge }
+impl<'a, S> Look<'a, S, false> {
+    pub(super) fn alone(scene: &'a Scene, max_bounces: u32, sink: &'a mut S) -> Look<'a, S, false> {
+        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge: None, volume: None }
     }
+}
 
+impl<'a, S> Look<'a, S, true> {
+    pub(super) fn merging(
+        scene: &'a Scene,
+        max_bounces: u32,
+        sink: &'a mut S,
+        merge: Merge<'a>,
+        volume: Option<&'a VolumeMap>,
+    ) -> Look<'a, S, true> {
+        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge: Some(merge), volume }
+    }
+}
+
+impl<S, const MERGES: bool> Look<'_, S, MERGES> {
     /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
     /// where shadow rays and photons have these.
     fn met(&self, of_shadow_rays: impl FnOnce(Vec3) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
@@ -189,7 +211,7 @@ impl<'a, S> Look<'a, S> {
     }
 }
 
-impl<S: Sink> Look<'_, S> {
+impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
     /// Adds light of a lamp that the path has reached.
     fn add(&mut self, light: Spectrum, events: u32) {
         self.sink.add(light, events);
@@ -200,7 +222,22 @@ impl<S: Sink> Look<'_, S> {
     }
 }
 
-impl<S: Sink> Visitor for Look<'_, S> {
+impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
+    const CROSSING: Crossing = if MERGES { Crossing::Fade } else { Crossing::Collide };
+
+    fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
+        if let Some(map) = self.volume
+            && self.smooth_events == 0
+        {
+            let mut tally = self.merge.as_mut().and_then(|merge| merge.tally.as_deref_mut());
+            gather(map, segment, path, self.max_bounces, sampler, self.sink, |beam, light| {
+                if let Some(tally) = &mut tally {
+                    tally.push((beam.path, light.mean()));
+                }
+            });
+        }
+    }
+
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         self.sink.surface(point, path);
         let emitted = self.scene.emitted(point);
@@ -229,7 +266,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
                     }
                 }
             };
-            let light = direct_light(self.scene, point, sampler, weight);
+            let light = direct_light(self.scene, point, path, sampler, weight);
             self.sink.add(path.throughput * light, path.bounce + 1);
             if let Some(merge) = &mut self.merge
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
@@ -247,6 +284,22 @@ impl<S: Sink> Visitor for Look<'_, S> {
             }
         }
         Lobes::ALL
+    }
+
+    fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> bool {
+        if path.bounce < self.max_bounces {
+            let weight = |illumination: &Illumination| {
+                illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, point.value(illumination.to_light)))
+            };
+            let light = direct_light_in_medium(self.scene, point, path, sampler, weight);
+            self.sink.add(path.throughput * light, path.bounce + 1);
+        }
+        true
+    }
+
+    fn scattered_by_particle(&mut self, to_next: Vec3, point: &MediumPoint, _: &PathState) {
+        self.last = Some((point.position, point.value(to_next)));
+        self.smooth_events += 1;
     }
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {

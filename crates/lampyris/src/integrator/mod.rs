@@ -12,6 +12,7 @@ mod photons;
 mod pilot;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use auto::Auto;
 pub use light::LightTracing;

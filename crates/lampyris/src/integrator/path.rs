@@ -51,7 +51,7 @@ impl PathTracing {
             observer,
             || (),
             |path, sampler, (), sink: &mut S| {
-                let mut look = Look::new(scene, limits.max_bounces, sink, None);
+                let mut look = Look::alone(scene, limits.max_bounces, sink);
                 walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
             },
         )

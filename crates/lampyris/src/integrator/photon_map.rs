@@ -4,16 +4,17 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::camera_pass;
 use super::path::CAMERA_ROULETTE_FROM;
-use super::photons::Photons;
+use super::photons::{Maps, Photons};
+use super::volume::{VolumeEstimate, Wishes, gather};
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
 use crate::film::{Exposure, Layered, Layers, Plain, Sink};
 use crate::material::Lobes;
-use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius};
+use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
 use crate::scene::description::{BandwidthRule, Direct, FilmDescription, PhotonMapSettings, Show};
 use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
+use crate::transport::{Crossing, Limits, Origin, PathState, Segment, Visitor, direct_light, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -28,6 +29,8 @@ pub struct PhotonMapping {
 pub(super) struct Pilot {
     /// The first radius, where the settings give none and need one.
     radius: Option<f32>,
+    /// How light in media is estimated, where there are any.
+    volume: Option<VolumeEstimate>,
 }
 
 impl PhotonMapping {
@@ -42,13 +45,24 @@ impl PhotonMapping {
         let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
         let radius = is_needed.then(|| pilot::radius(scene, film, &settings, seed, observer));
         let bandwidth = bandwidth(&settings, radius.unwrap_or(f32::INFINITY));
-        PhotonMapping { settings, pilot: Pilot { radius }, bandwidth }
+        let wishes = Wishes {
+            volume: settings.volume,
+            radius: settings.volume_radius,
+            alpha: settings.volume_alpha,
+            kernel: settings.kernel,
+            shrinks: settings.bandwidth != BandwidthRule::Fixed,
+            count: settings.k as usize,
+        };
+        let volume = VolumeEstimate::new(scene, film, wishes, photons(&settings, None), seed, observer);
+        PhotonMapping { settings, pilot: Pilot { radius, volume }, bandwidth }
     }
 
     /// With these settings, and what was measured for them.
     pub(super) fn resumed(settings: PhotonMapSettings, pilot: Pilot) -> Result<PhotonMapping> {
         let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
-        let is_fit = pilot.radius.is_some() == is_needed && pilot.radius.is_none_or(|radius| radius > 0.0);
+        let is_fit = pilot.radius.is_some() == is_needed
+            && pilot.radius.is_none_or(|radius| radius > 0.0)
+            && pilot.volume.is_none_or(|volume| volume.is_fit());
         let bandwidth = bandwidth(&settings, pilot.radius.unwrap_or(f32::INFINITY));
         is_fit.then_some(PhotonMapping { settings, pilot, bandwidth }).ok_or_else(pilot::unfit)
     }
@@ -60,7 +74,12 @@ impl PhotonMapping {
 
     /// The photon map of a pass.
     pub fn map(&self, scene: &Scene, pass: &Pass, observer: &dyn Observer) -> PhotonMap {
-        photon_map(scene, &self.settings, pass, self.bandwidth.radius::<2>(pass.index), observer)
+        self.maps(scene, pass, observer).surface
+    }
+
+    fn maps(&self, scene: &Scene, pass: &Pass, observer: &dyn Observer) -> Maps {
+        let radius = self.bandwidth.radius::<2>(pass.index);
+        photons(&self.settings, self.pilot.volume).maps(scene, pass, radius, || None, observer)
     }
 
     fn look<S: Sink>(
@@ -68,17 +87,18 @@ impl PhotonMapping {
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
-        map: &PhotonMap,
+        maps: &Maps,
         observer: &dyn Observer,
     ) -> Exposure {
         let radius = self.bandwidth.radius::<2>(pass.index);
-        let estimate = Estimate { map, kernel: self.settings.kernel, radius };
+        let volume = maps.volume.as_ref();
+        let estimate = Estimate { map: &maps.surface, kernel: self.settings.kernel, radius };
         let max_bounces = self.settings.max_bounces;
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let direct = self.settings.direct;
         let samples = self.settings.samples;
         camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
-            let mut gather = Gather { scene, estimate: &estimate, direct, max_bounces, found, sink };
+            let mut gather = Gather { scene, estimate: &estimate, volume, direct, max_bounces, found, sink };
             walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
         })
     }
@@ -93,13 +113,13 @@ impl Integrator for PhotonMapping {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure {
-        let map = self.map(scene, pass, observer);
+        let maps = self.maps(scene, pass, observer);
         observer.phase(Phase::Camera);
         match self.settings.show {
-            Show::Radiance if layers.is_empty() => self.look::<Plain>(scene, film, pass, &map, observer),
-            Show::Radiance => self.look::<Layered>(scene, film, pass, &map, observer),
-            Show::Photons => dots::draw(scene, film, &map, |_| true).into(),
-            Show::Caustics => dots::draw(scene, film, &map, Photon::is_caustic).into(),
+            Show::Radiance if layers.is_empty() => self.look::<Plain>(scene, film, pass, &maps, observer),
+            Show::Radiance => self.look::<Layered>(scene, film, pass, &maps, observer),
+            Show::Photons => dots::draw(scene, film, &maps.surface, |_| true).into(),
+            Show::Caustics => dots::draw(scene, film, &maps.surface, Photon::is_caustic).into(),
         }
     }
 
@@ -134,15 +154,20 @@ pub(super) fn photon_map(
     radius: Radius,
     observer: &dyn Observer,
 ) -> PhotonMap {
-    let direct = settings.direct == Direct::Photons;
-    let photons = Photons { paths: u64::from(settings.photons), max_bounces: settings.max_bounces, direct };
-    photons.map(scene, pass, radius, || None, observer)
+    photons(settings, None).maps(scene, pass, radius, || None, observer).surface
+}
+
+/// Which photons these settings ask for.
+fn photons(settings: &PhotonMapSettings, volume: Option<VolumeEstimate>) -> Photons {
+    let (paths, max_bounces) = (u64::from(settings.photons), settings.max_bounces);
+    Photons { paths, max_bounces, direct: settings.direct == Direct::Photons, volume }
 }
 
 /// Gathers photons at smooth lobes and follows delta lobes.
 struct Gather<'a, S> {
     scene: &'a Scene,
     estimate: &'a Estimate<'a>,
+    volume: Option<&'a VolumeMap>,
     direct: Direct,
     max_bounces: u32,
     found: &'a mut Nearest,
@@ -150,12 +175,20 @@ struct Gather<'a, S> {
 }
 
 impl<S: Sink> Visitor for Gather<'_, S> {
+    const CROSSING: Crossing = Crossing::Fade;
+
+    fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
+        if let Some(map) = self.volume {
+            gather(map, segment, path, self.max_bounces, sampler, self.sink, |_, _| {});
+        }
+    }
+
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         self.sink.surface(point, path);
         self.sink.add(path.throughput * self.scene.emitted(point), path.bounce);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
-                let light = direct_light(self.scene, point, sampler, |_, _| 1.0);
+                let light = direct_light(self.scene, point, path, sampler, |_, _| 1.0);
                 self.sink.add(path.throughput * light, path.bounce + 1);
             }
             // The event in which the photons are read is one of the path's, too.

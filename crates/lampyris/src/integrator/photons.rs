@@ -1,8 +1,9 @@
-//! The photon map of a pass.
+//! The photon maps of a pass.
 
 use super::blocks::{BLOCK, light_pass};
+use super::volume::VolumeEstimate;
 use super::{Observer, Pass, Phase, Work};
-use crate::photon::{Deposit, Instead, Photon, PhotonMap, Radius};
+use crate::photon::{Deposit, Instead, Photon, PhotonMap, Radius, Volume, VolumeMap};
 use crate::scene::Scene;
 
 /// Which photons a pass leaves.
@@ -14,29 +15,46 @@ pub(super) struct Photons {
     pub max_bounces: u32,
     /// Whether light that comes straight from a lamp is stored, too.
     pub direct: bool,
+    /// How light in media is estimated, if there are any.
+    pub volume: Option<VolumeEstimate>,
+}
+
+/// What the photons of a pass left.
+#[derive(Debug)]
+pub(super) struct Maps {
+    /// On surfaces.
+    pub surface: PhotonMap,
+    /// In media.
+    pub volume: Option<VolumeMap>,
 }
 
 impl Photons {
     /// Traces the light paths and sorts their photons for this radius. With `instead`, they note what else could have
     /// made their paths.
-    pub(super) fn map<'s>(
+    pub(super) fn maps<'s>(
         &self,
         scene: &'s Scene,
         pass: &Pass,
         radius: Radius,
         instead: impl Fn() -> Option<Instead<'s>> + Sync,
         observer: &dyn Observer,
-    ) -> PhotonMap {
+    ) -> Maps {
         observer.phase(Phase::Photons);
-        let Photons { paths, max_bounces, direct } = *self;
+        let Photons { paths, max_bounces, direct, .. } = *self;
         // A block has some thousand paths and most paths a photon or two; growing would copy them.
         let photons = || Vec::with_capacity(2 * BLOCK as usize);
-        let new = || Deposit { photons: photons(), direct, max_bounces, path: 0, instead: instead() };
+        let volume = self.volume.map_or(Volume::Points, |estimate| estimate.volume);
+        let beams = Vec::new;
+        let new =
+            || Deposit { photons: photons(), beams: beams(), volume, direct, max_bounces, path: 0, instead: instead() };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Map);
-        let blocks: Vec<Vec<Photon>> = blocks.into_iter().map(|block| block.photons).collect();
-        let map = PhotonMap::from_blocks(&blocks, paths, radius);
-        observer.work(&Work { photons: map.photons().len() as u64, ..Work::default() });
-        map
+        let (blocks, beams): (Vec<Vec<Photon>>, Vec<_>) =
+            blocks.into_iter().map(|block| (block.photons, block.beams)).unzip();
+        let surface = PhotonMap::from_blocks(&blocks, paths, radius);
+        let volume = self.volume.filter(|_| scene.has_media()).map(|estimate| estimate.map(beams, paths, pass));
+        let left = surface.photons().len() + volume.as_ref().map_or(0, |map| map.beams().len());
+        observer.work(&Work { photons: left as u64, ..Work::default() });
+        Maps { surface, volume }
     }
 }

@@ -18,7 +18,7 @@ use crate::sampler::{Sampler, purpose};
 use crate::scene::description::{FilmDescription, PhotonMapSettings};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{Limits, Origin, PathState, Visitor, walk};
+use crate::transport::{Crossing, Limits, Origin, PathState, Visitor, walk};
 
 /// What a pilot measured as bytes, for [`Integrator::pilot`](super::Integrator::pilot).
 pub(super) fn write(pilot: &impl Serialize) -> Vec<u8> {
@@ -84,7 +84,8 @@ pub(super) fn gather_points(
         let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, index);
         let pixel = sampler.square() * Vec2::new(width, height);
         let (ray, _) = scene.view(pixel, &mut sampler);
-        let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::ONE) };
+        let path =
+            PathState { cone: scene.cone(), inside: scene.inside_of_view(&ray), ..PathState::new(ray, Spectrum::ONE) };
         visitor.smooth_events = 0;
         walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut visitor);
     }
@@ -96,6 +97,8 @@ struct GatherPoints<F> {
 }
 
 impl<F: FnMut(&SurfacePoint, &PathState, u32) -> Lobes> Visitor for GatherPoints<F> {
+    const CROSSING: Crossing = Crossing::Fade;
+
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
         if point.bsdf.lobes().meets(Lobes::SMOOTH) {
             (self.visit)(point, path, self.smooth_events)

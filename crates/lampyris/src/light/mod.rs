@@ -97,6 +97,15 @@ pub struct Illumination {
     pub normal: Vec3,
 }
 
+impl Illumination {
+    /// Nothing but the way from one point of free space to another, for those who ask what comes through.
+    pub fn way(from: Vec3, to: Vec3) -> Illumination {
+        let nothing = Spectrum::ZERO;
+        let (emission, normal) = (0.0, Vec3::ZERO);
+        Illumination { to_light: to - from, irradiance: nothing, pdf: None, target: Some(to), emission, normal }
+    }
+}
+
 /// What every light does. The shapes of the scene are lent to lights that are surfaces.
 pub trait Emit {
     /// A photon. None if this draw has no light.

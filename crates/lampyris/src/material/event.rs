@@ -15,13 +15,15 @@ pub enum Event {
     Refraction,
     /// Not met at all: the path has gone through a hole. It counts as no event of the path.
     Pass,
+    /// Scattered by a particle of a medium.
+    Scatter,
 }
 
 impl Event {
-    /// All events; their order is that of [`Event::index`].
+    /// All events of surfaces; their order is that of [`Event::index`].
     pub const ALL: [Event; 5] = [Event::Diffuse, Event::Glossy, Event::Specular, Event::Refraction, Event::Pass];
 
-    /// Its place in [`Event::ALL`].
+    /// Its place in [`Event::ALL`]; beyond that, if it is no event of a surface.
     pub const fn index(self) -> usize {
         self as usize
     }
@@ -35,13 +37,13 @@ impl Lobes {
     /// Nothing: the path ends.
     pub const NONE: Lobes = Lobes(0);
     /// Events that scatter into a range of directions: where photons are stored and light is gathered.
-    pub const SMOOTH: Lobes = Lobes(0b0011);
+    pub const SMOOTH: Lobes = Lobes(0b10_0011);
     /// Events with one possible direction: both walks pass through them.
-    pub const DELTA: Lobes = Lobes(0b11100);
+    pub const DELTA: Lobes = Lobes(0b1_1100);
     /// Holes: paths go through, whatever else they may do.
-    pub const HOLES: Lobes = Lobes(0b10000);
+    pub const HOLES: Lobes = Lobes(0b1_0000);
     /// All events.
-    pub const ALL: Lobes = Lobes(0b11111);
+    pub const ALL: Lobes = Lobes(0b11_1111);
 
     /// Whether the event is in the set.
     pub const fn contains(self, event: Event) -> bool {

@@ -53,6 +53,8 @@ pub type MaterialId = u32;
 /// How a surface scatters light, with its textures.
 #[derive(Clone, Debug)]
 pub enum Material {
+    /// See [`Hole`].
+    None,
     /// See [`Diffuse`].
     Diffuse {
         /// Share of the light that is reflected.
@@ -289,6 +291,7 @@ impl Materials {
             | Material::RoughGlass { rough, .. }
             | Material::RoughPlastic { rough, .. } => Needs::of_one(rough.is_anisotropic()),
             Material::Ward { .. } | Material::Principled(_) | Material::PrincipledThin(_) => Needs::of_one(true),
+            Material::None => Needs { holes: true, ..Needs::of_one(false) },
             _ => Needs::of_one(false),
         }
     }
@@ -370,6 +373,7 @@ impl Materials {
                 self.collect(*first, at, front, weight * (1.0 - share), flipped, bsdf);
                 return self.collect(*second, at, front, weight * share, flipped, bsdf);
             }
+            Material::None => Model::Hole(Hole),
             Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.lanes(at) }),
             Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.lanes(at) }),
             Material::Glass { ior, reflectance, transmittance } => {

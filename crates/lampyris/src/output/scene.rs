@@ -9,7 +9,9 @@ use crate::error::{Error, Result};
 use crate::geometry::MeshData;
 use crate::import::Imported;
 use crate::scene::SceneDescription;
-use crate::scene::description::{GeometryDescription, LightDescription, ShapeDescription, TextureDescription};
+use crate::scene::description::{
+    GeometryDescription, LightDescription, MediumDescription, ShapeDescription, TextureDescription,
+};
 use crate::scene::notation;
 
 /// Finds what would stop [`write_scene`] from writing to `path`.
@@ -96,6 +98,13 @@ impl<'a> Move<'a> {
                 self.picture(file)?;
             }
         }
+        for medium in description.media.values_mut() {
+            if let MediumDescription::Grid { file, albedo_file, .. } = medium {
+                for file in [Some(file), albedo_file.as_mut()].into_iter().flatten() {
+                    self.inside(file, "grid", |_| "vol")?;
+                }
+            }
+        }
         for light in &mut description.lights {
             if let LightDescription::Environment { file, .. } = light {
                 self.picture(file)?;
@@ -129,6 +138,11 @@ impl<'a> Move<'a> {
     }
 
     fn picture(&mut self, file: &mut String) -> Result<()> {
+        self.inside(file, "image", picture_ending)
+    }
+
+    /// A file that may lie inside the source: then it becomes one of this kind, with the ending that its bytes ask for.
+    fn inside(&mut self, file: &mut String, kind: &str, ending: fn(&[u8]) -> &'static str) -> Result<()> {
         let embedded = self.embedded;
         let Some(bytes) = embedded.get(file) else {
             *file = self.elsewhere(file)?;
@@ -138,7 +152,7 @@ impl<'a> Move<'a> {
             file.clone_from(written);
             return Ok(());
         }
-        let name = format!("{}-image{}.{}", self.stem, self.pictures.len(), picture_ending(bytes));
+        let name = format!("{}-{kind}{}.{}", self.stem, self.pictures.len(), ending(bytes));
         self.files.push((self.to.join(&name), Content::Bytes(bytes)));
         self.pictures.insert(std::mem::replace(file, name.clone()), name);
         Ok(())

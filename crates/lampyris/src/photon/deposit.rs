@@ -1,17 +1,24 @@
 //! The visitor that leaves photons.
 
-use super::Photon;
+use glam::Vec3;
+
+use super::{Beam, Photon, Volume};
 use crate::light::{Emission, LightId};
 use crate::material::{Lobes, Scattered};
+use crate::medium::Matter;
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
-use crate::transport::{PathState, Rivals, Visitor, norm};
+use crate::transport::{MediumPoint, PathState, Rivals, Segment, Visitor, norm};
 
 /// Leaves a photon wherever a walk from a lamp meets a smooth lobe; follows all lobes.
 #[derive(Debug)]
 pub struct Deposit<'s> {
     /// The photons so far.
     pub photons: Vec<Photon>,
+    /// Those in media.
+    pub beams: Vec<Beam>,
+    /// What is stored in media: where light flies, or where it meets a particle.
+    pub volume: Volume,
     /// Whether light that comes straight from a lamp is stored, too.
     pub direct: bool,
     /// The longest light path from lamp to eye, in scattering events.
@@ -62,6 +69,11 @@ impl<'s> Instead<'s> {
 }
 
 impl Deposit<'_> {
+    /// Whether light that a path leaves in a medium can come to the camera.
+    fn readable_in(&self, matter: &Matter, path: &PathState) -> bool {
+        path.bounce < self.max_bounces && !matter.scattering.is_zero()
+    }
+
     /// Whether a photon is wanted here, if there is a smooth lobe.
     fn wants(&self, path: &PathState) -> bool {
         self.direct || path.bounce > 0 || path.hidden_lamp
@@ -98,6 +110,26 @@ impl Visitor for Deposit<'_> {
             });
         }
         Lobes::ALL
+    }
+
+    fn segment(&mut self, segment: &Segment, path: &PathState, _: &mut Sampler) {
+        if self.volume == Volume::Beams && self.readable_in(&segment.matter, path) {
+            self.beams.push(Beam::new(self.path, path, segment.ray.origin, segment.length, segment.matter.id));
+        }
+    }
+
+    fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, _: &mut Sampler) -> bool {
+        if self.volume != Volume::Beams && self.readable_in(&point.matter, path) {
+            self.beams.push(Beam::new(self.path, path, point.position, 0.0, point.matter.id));
+        }
+        true
+    }
+
+    fn scattered_by_particle(&mut self, _: Vec3, _: &MediumPoint, _: &PathState) {
+        // Walks from the camera scatter at no particle: there is no other way to make the path so far.
+        if let Some(instead) = &mut self.instead {
+            instead.from = From::Nowhere;
+        }
     }
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {

@@ -9,6 +9,8 @@ mod map;
 mod nearest;
 mod search;
 mod sort;
+mod tree;
+mod volume;
 
 use glam::Vec3;
 
@@ -17,6 +19,7 @@ pub use deposit::{Deposit, Instead};
 pub use gather::Estimate;
 pub use kernel::Kernel;
 pub use map::{Nearest, PhotonMap};
+pub use volume::{Beam, Volume, VolumeMap};
 
 use crate::material::Lobes;
 use crate::spectrum::Spectrum;

@@ -64,14 +64,36 @@ impl Sampler {
         Vec2::new(x, self.number(1))
     }
 
+    /// Uniform in [0, 1): the last number of the step, if it is left, so that what comes next takes none of its own. For one
+    /// thing more between two steps of three numbers.
+    #[inline]
+    pub fn spare(&mut self) -> f32 {
+        match self.sequence.as_mut().and_then(Sequence::last) {
+            Some(bits) => unit(bits),
+            None => self.independent(),
+        }
+    }
+
+    /// Uniform in [0, 1), of no step: for those who need any number of them.
+    #[inline]
+    pub fn independent(&mut self) -> f32 {
+        unit(self.random.next_u32())
+    }
+
     #[inline]
     fn number(&mut self, together: u32) -> f32 {
         let bits = match self.sequence.as_mut().and_then(|sequence| sequence.next(together)) {
             Some(bits) => bits,
             None => self.random.next_u32(),
         };
-        (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+        unit(bits)
     }
+}
+
+/// The first 24 bits as a number in [0, 1).
+#[inline]
+fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 /// The number of a pass, in [0, 1): those of all passes of a seed lie evenly, whichever of them there are so far, the radical

@@ -43,6 +43,17 @@ impl Sequence {
         value
     }
 
+    /// The last number of the set, if it has not been read; none where only independent ones are left.
+    #[inline]
+    pub(super) fn last(&mut self) -> Option<u32> {
+        if self.dimension == UNREAD {
+            self.turn();
+        }
+        let is_left = self.set < SETS && self.dimension < DIMENSIONS as u32;
+        self.dimension = DIMENSIONS as u32;
+        is_left.then(|| self.point[DIMENSIONS - 1])
+    }
+
     /// Reads the point of a set that was begun, or else of the next.
     fn turn(&mut self) {
         if self.dimension != UNREAD {

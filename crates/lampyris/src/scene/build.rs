@@ -6,6 +6,7 @@ mod camera;
 mod check;
 mod lights;
 mod materials;
+mod media;
 mod shapes;
 mod textures;
 
@@ -14,7 +15,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::description::{CameraDescription, IntegratorDescription, SceneDescription};
-use super::{Assets, Lights, Scene, ShapeRecord};
+use super::{Assets, Lights, Media, Scene, ShapeRecord};
 use crate::error::{Error, Result, Warning};
 use crate::geometry::{Bounds, Shape, Surfaces};
 use crate::light::{Light, World};
@@ -48,7 +49,8 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     let camera = camera::build(description.camera.as_ref(), description.film.size)?;
     let mut read_ahead = ahead::ReadAhead::new(description, assets);
     let mut materials = materials::Builder::new(description, assets);
-    let mut shapes = shapes::Builder::default();
+    let media = media::Builder::new(description, assets)?;
+    let mut shapes = shapes::Builder::new(&media);
     for (name, group) in &description.groups {
         shapes
             .add_group(name, group, &mut materials, assets)
@@ -72,9 +74,15 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
     }
     let meter = meter(description.camera.as_ref(), &records, &surfaces)?;
     let warnings = warnings(&description.integrator, &surfaces, &all);
+    let around = description.medium.as_ref().map(|name| media.by_name(name, "medium")).transpose()?;
+    if around.is_some() && all.iter().any(Light::is_far) {
+        return Err(Error::at_key("medium", "light from infinitely far away cannot come through a medium without end")
+            .with_hint("make the medium the interior of a large sphere"));
+    }
     let lights = Lights::new(all, &surfaces);
     let materials = materials.finish();
-    let scene = Scene {
+    let media = Media::new(media.finish(), around, &records);
+    let mut scene = Scene {
         surfaces: Arc::new(surfaces),
         shapes: records.into(),
         spectral: description.render.spectral.unwrap_or(materials.disperse()),
@@ -83,8 +91,10 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         camera,
         meter,
         basis: Basis::Rgb,
+        media: None,
         guide: None,
     };
+    scene.set_media(media);
     Ok(Built { scene, warnings })
 }
 

@@ -11,6 +11,7 @@ mod integrator;
 mod ior;
 mod light;
 mod material;
+mod medium;
 mod shape;
 mod texture;
 mod transform;
@@ -25,13 +26,14 @@ pub use color::{Color, Paint};
 pub use film::{FilmDescription, FilterDescription, RenderDescription};
 pub use integrator::{
     AutoSettings, BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings,
-    PhotonMapSettings, Show,
+    PhotonMapSettings, Show, VolumeName,
 };
 pub use ior::{Ior, IorFormula};
 pub use light::{EnvironmentMapping, LightDescription};
 pub use material::{
     MaterialDescription, MaterialRef, MicrofacetDistribution, Principled, PrincipledThin, Roughness, WardVariant,
 };
+pub use medium::{MediumDescription, PhaseDescription};
 pub use shape::{EmissionDescription, GeometryDescription, ShapeDescription};
 pub use texture::{Channel, TextureDescription, TextureFilter, Wrap};
 pub use transform::Transform;
@@ -57,6 +59,11 @@ pub struct SceneDescription {
     /// Materials by name.
     #[serde(default)]
     pub materials: BTreeMap<String, MaterialDescription>,
+    /// Media by name: what fills space inside of shapes, or all around.
+    #[serde(default)]
+    pub media: BTreeMap<String, MediumDescription>,
+    /// The name of the medium around everything; none by default.
+    pub medium: Option<String>,
     /// All surfaces.
     #[serde(default)]
     pub shapes: Vec<ShapeDescription>,

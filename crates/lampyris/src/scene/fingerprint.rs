@@ -10,10 +10,12 @@ use sha2::{Digest, Sha256};
 
 use super::Assets;
 use super::description::{
-    GeometryDescription, LightDescription, RenderDescription, SceneDescription, ShapeDescription, TextureDescription,
+    GeometryDescription, LightDescription, MediumDescription, RenderDescription, SceneDescription, ShapeDescription,
+    TextureDescription,
 };
 use crate::error::Result;
 use crate::geometry::MeshData;
+use crate::medium::VolumeData;
 use crate::texture::Raster;
 
 /// SHA-256 of all that the light in a scene depends on, whatever its files are called and wherever they lie. Camera, film,
@@ -33,6 +35,7 @@ pub struct NotedAssets<'a> {
     assets: &'a dyn Assets,
     meshes: Notes<u32>,
     pictures: Notes<bool>,
+    volumes: Notes<()>,
 }
 
 /// Hashes by name and number.
@@ -41,7 +44,7 @@ type Notes<K> = Mutex<HashMap<(String, K), Fingerprint>>;
 impl<'a> NotedAssets<'a> {
     /// Before the scene is built.
     pub fn new(assets: &'a dyn Assets) -> NotedAssets<'a> {
-        NotedAssets { assets, meshes: Notes::default(), pictures: Notes::default() }
+        NotedAssets { assets, meshes: Notes::default(), pictures: Notes::default(), volumes: Notes::default() }
     }
 
     /// The fingerprint of the scene that was built from this description.
@@ -57,6 +60,13 @@ impl<'a> NotedAssets<'a> {
         for light in &mut scene.lights {
             if let LightDescription::Environment { file, .. } = light {
                 *file = noted(&self.pictures, file, false);
+            }
+        }
+        for medium in scene.media.values_mut() {
+            if let MediumDescription::Grid { file, albedo_file, .. } = medium {
+                for file in [Some(file), albedo_file.as_mut()].into_iter().flatten() {
+                    *file = noted(&self.volumes, file, ());
+                }
             }
         }
         for texture in scene.textures.values_mut() {
@@ -112,6 +122,12 @@ impl Assets for NotedAssets<'_> {
         note(&self.pictures, file, raw, || of_picture(&picture));
         Ok(picture)
     }
+
+    fn volume(&self, file: &str) -> Result<Arc<VolumeData>> {
+        let volume = self.assets.volume(file)?;
+        note(&self.volumes, file, (), || of_volume(&volume));
+        Ok(volume)
+    }
 }
 
 fn of_mesh(mesh: &MeshData) -> Fingerprint {
@@ -124,6 +140,16 @@ fn of_mesh(mesh: &MeshData) -> Fingerprint {
         bytemuck::cast_slice(triangles),
     ];
     of_lists(&lists)
+}
+
+fn of_volume(volume: &VolumeData) -> Fingerprint {
+    let VolumeData { size, channels, bounds, values } = volume;
+    of_lists(&[
+        bytemuck::cast_slice(size),
+        &channels.to_le_bytes(),
+        bytemuck::cast_slice(bounds),
+        bytemuck::cast_slice(values),
+    ])
 }
 
 fn of_picture(picture: &Raster) -> Fingerprint {

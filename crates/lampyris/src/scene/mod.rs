@@ -4,6 +4,7 @@ mod assets;
 mod build;
 pub mod description;
 mod fingerprint;
+mod media;
 pub(crate) mod notation;
 mod point;
 pub mod schema;
@@ -19,6 +20,7 @@ pub use assets::{Assets, NoAssets};
 pub use build::{Built, build, build_observed};
 pub use description::SceneDescription;
 pub use fingerprint::{Fingerprint, NotedAssets};
+pub use media::Media;
 pub use point::SurfacePoint;
 
 use crate::camera::{Camera, Seen};
@@ -27,6 +29,7 @@ use crate::image::displayable;
 use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
+use crate::medium::Interior;
 use crate::sampler::{self, Sampler};
 use crate::spectrum::{Basis, Spectrum};
 use crate::texture::{Asks, Lookup};
@@ -45,6 +48,8 @@ pub struct Scene {
     spectral: bool,
     /// What the lanes of all light in it are.
     basis: Basis,
+    /// What is between surfaces, if there is anything.
+    media: Option<Arc<Media>>,
     /// Where photons leave for.
     guide: Option<Arc<Guide>>,
 }
@@ -56,6 +61,8 @@ pub struct ShapeRecord {
     pub material: MaterialId,
     /// The light that it is.
     pub light: Option<LightId>,
+    /// What is inside of it, if it says so.
+    pub interior: Option<Interior>,
     /// What the textures of its material and of its light ask for.
     pub asks: Asks,
     /// Its name, for people.
@@ -208,20 +215,6 @@ impl Scene {
             }
             _ => 1.0,
         }
-    }
-
-    /// Share of the light that what stands between a surface and a point in free space lets through.
-    pub fn visibility_of(&self, from: &Surface, to: Vec3) -> f32 {
-        let to_light = to - from.position;
-        let nothing = Illumination {
-            to_light,
-            irradiance: Spectrum::ZERO,
-            pdf: None,
-            target: Some(to),
-            emission: 0.0,
-            normal: Vec3::ZERO,
-        };
-        self.visibility(from, &nothing)
     }
 
     /// Share of light that comes through holes, where it is known that something stands in its way. `rest` is the ray
@@ -418,7 +411,13 @@ impl Scene {
                 let direction = Frame::around(surface.normal).to_world(warp::cosine_hemisphere(sampler.square()));
                 (surface.spawn(direction), PI)
             }
-            None => (self.camera.ray(pixel, on_lens), 1.0),
+            None => {
+                if self.has_media() {
+                    // For how far the first flight goes.
+                    sampler.step(1);
+                }
+                (self.camera.ray(pixel, on_lens), 1.0)
+            }
         }
     }
 

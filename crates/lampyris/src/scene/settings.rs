@@ -293,6 +293,9 @@ mod tests {
             ("alpha", ".5"),
             ("direct", "photons"),
             ("max_bounces", "9"),
+            ("volume", "points"),
+            ("volume_radius", "0.25"),
+            ("volume_alpha", "0.75"),
             ("show", "caustics"),
         ]);
         assert_eq!(
@@ -307,6 +310,9 @@ mod tests {
                 alpha: 0.5,
                 direct: crate::scene::description::Direct::Photons,
                 max_bounces: 9,
+                volume: Some(crate::scene::description::VolumeName::Points),
+                volume_radius: Some(0.25),
+                volume_alpha: Some(0.75),
                 show: Show::Caustics,
             }
         );

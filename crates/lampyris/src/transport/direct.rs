@@ -1,5 +1,6 @@
 //! Direct light by next-event estimation, and the weights that combine it with paths that meet lamps by chance.
 
+use super::{MediumPoint, PathState};
 use crate::light::{Illumination, LightId};
 use crate::material::Lobes;
 use crate::sampler::Sampler;
@@ -11,6 +12,7 @@ use crate::spectrum::Spectrum;
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
+    path: &PathState,
     sampler: &mut Sampler,
     weight: impl FnOnce(LightId, &Illumination) -> f32,
 ) -> Spectrum {
@@ -24,11 +26,33 @@ pub fn direct_light(
     if value.is_zero() {
         return Spectrum::ZERO;
     }
+    let factor = |visibility: f32| point.cos(illumination.to_light) * weight(light, &illumination) * visibility;
+    if scene.has_media() {
+        let passage = scene.passage_to(point, &path.inside, &illumination, sampler);
+        return if passage.is_zero() { passage } else { value * illumination.irradiance * passage * factor(1.0) };
+    }
     let visibility = scene.visibility(&point.surface, &illumination);
     if visibility <= 0.0 {
         return Spectrum::ZERO;
     }
-    value * illumination.irradiance * (point.cos(illumination.to_light) * weight(light, &illumination) * visibility)
+    value * illumination.irradiance * factor(visibility)
+}
+
+/// [`direct_light`] at a point in a medium.
+pub fn direct_light_in_medium(
+    scene: &Scene,
+    point: &MediumPoint,
+    path: &PathState,
+    sampler: &mut Sampler,
+    weight: impl FnOnce(&Illumination) -> f32,
+) -> Spectrum {
+    let Some((_, illumination)) = scene.illuminate(point.position, sampler) else { return Spectrum::ZERO };
+    let passage = scene.passage(point.position, path.inside, &illumination, sampler);
+    if passage.is_zero() {
+        return passage;
+    }
+    let value = point.albedo * point.value(illumination.to_light);
+    value * illumination.irradiance * passage * weight(&illumination)
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

@@ -1,12 +1,14 @@
 //! How light travels: the one random walk, and what both of its directions share.
 
 mod direct;
+mod media;
 mod path;
 mod rivals;
 mod roulette;
 mod walk;
 
-pub use direct::{direct_light, mis_weight};
+pub use direct::{direct_light, direct_light_in_medium, mis_weight};
+pub use media::{Crossing, MediumPoint, Segment};
 pub use path::{Origin, PathState};
 pub use rivals::{Rivals, norm, squared};
 pub use roulette::survive;

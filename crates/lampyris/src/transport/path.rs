@@ -2,6 +2,7 @@
 
 use crate::geometry::{Cone, Ray};
 use crate::material::Lobes;
+use crate::medium::Inside;
 use crate::spectrum::Spectrum;
 
 /// Where a path began.
@@ -24,6 +25,8 @@ pub struct PathState {
     pub optical_length: f64,
     /// Index of refraction of where the path is, over that of where it began.
     pub ior: f32,
+    /// The shapes with media that it is in.
+    pub inside: Inside,
     /// What the ray stands for, from its origin.
     pub cone: Cone,
     /// Scattering events so far.
@@ -42,6 +45,7 @@ impl PathState {
             throughput,
             optical_length: 0.0,
             ior: 1.0,
+            inside: Inside::NOTHING,
             cone: Cone::WIDE,
             bounce: 0,
             history: Lobes::NONE,

@@ -157,6 +157,8 @@ impl Importer<'_> {
 
 fn shape(geometry: GeometryDescription) -> ShapeDescription {
     ShapeDescription {
+        interior: None,
+        priority: 0,
         geometry,
         material: None,
         emission: None,

@@ -17,6 +17,7 @@ impl<'a> Importer<'a> {
     pub(super) fn light(&mut self, object: usize) -> Result<()> {
         let query = self.query(object);
         query.ignore(&["sampling_weight"]);
+        self.exterior(query)?;
         let key = format!("lights[{}]", self.description().lights.len());
         let matrix = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
         let light = match query.object.plugin.as_str() {

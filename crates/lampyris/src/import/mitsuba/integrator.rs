@@ -37,7 +37,7 @@ impl<'a> Importer<'a> {
             IntegratorDescription::Auto(AutoSettings { max_bounces, ..default })
         };
         let integrator = match plugin {
-            "path" => auto(max_bounces),
+            "path" | "volpath" | "volpathmis" | "prbvolpath" => auto(max_bounces),
             // Emission and one scattering event: all paths are cut after the first.
             "direct" => {
                 query.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);

@@ -14,6 +14,7 @@ mod bsdf;
 mod document;
 mod emitter;
 mod integrator;
+mod medium;
 mod parse;
 mod query;
 mod sensor;
@@ -68,6 +69,9 @@ fn read_from(folder: &dyn Folder, main: &Path, options: &Options) -> Result<Impo
         parent: DMat4::IDENTITY,
         group: None,
         groups: HashMap::new(),
+        media: HashMap::new(),
+        interiors: HashSet::new(),
+        exteriors: Vec::new(),
         meters: Vec::new(),
         warned: HashSet::new(),
         visits: 0,
@@ -94,6 +98,12 @@ struct Importer<'a> {
     group: Option<Group>,
     /// Names in the description of groups that are in it already, by object.
     groups: HashMap<usize, String>,
+    /// Names in the description of media that are in it already, by object.
+    media: HashMap<usize, String>,
+    /// Those that shapes hold.
+    interiors: HashSet<String>,
+    /// Those that something stands in.
+    exteriors: Vec<(String, Spot)>,
     /// Sensors on shapes, and the shapes' names.
     meters: Vec<(usize, String)>,
     /// Warnings given already, by file, offset and message.
@@ -119,7 +129,7 @@ impl<'a> Importer<'a> {
                 Kind::Shape => self.shape(object)?,
                 Kind::Bsdf => self.named_bsdf(object)?,
                 Kind::Emitter => self.light(object)?,
-                // The shape that refers to a medium says that it is left out; textures wait for their BSDF.
+                // Media wait for what they are in; textures for their BSDF.
                 Kind::Medium | Kind::Texture | Kind::Spectrum | Kind::Volume | Kind::Phase => {}
                 Kind::Sampler | Kind::Film | Kind::Filter | Kind::Subsurface => {
                     self.left_out(object, "left out");
@@ -128,6 +138,7 @@ impl<'a> Importer<'a> {
         }
         self.integrator(&integrators)?;
         self.sensor(&sensors)?;
+        self.medium_around();
         Ok(self.imported)
     }
 

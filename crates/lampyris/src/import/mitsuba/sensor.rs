@@ -50,6 +50,7 @@ impl<'a> Importer<'a> {
                 (self.perspective(query, &window)?, false)
             }
         };
+        self.exterior(query)?;
         query.ignore(&["near_clip", "far_clip", "shutter_open", "shutter_close", "srf", "focus_distance"]);
         let names = [("fov", "fov"), ("aperture-radius", "aperture_radius"), ("focus-distance", "focus_distance")];
         self.note_all("camera", query, &names);

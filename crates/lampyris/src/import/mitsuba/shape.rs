@@ -104,9 +104,12 @@ impl Importer<'_> {
             None => Some(bsdf::default_material()),
         };
         let meter = self.meter(query, &key);
+        let interior = self.interior(query, &key)?;
         query.ignore(&["optimize", "silhouette_sampling_weight"]);
         self.leftovers(query);
         self.push_shape(ShapeDescription {
+            interior,
+            priority: 0,
             geometry: placed.geometry,
             material,
             emission,
@@ -128,6 +131,7 @@ impl Importer<'_> {
             }
         }
         query.ignore(&["sampling_weight"]);
+        self.exterior(query)?;
         let (radiance, scale) = match query.named_part("radiance") {
             Some(part) => {
                 let (inner, factor) = self.unscaled(part.object)?;

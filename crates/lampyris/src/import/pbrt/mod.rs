@@ -14,6 +14,7 @@ mod lexer;
 mod light;
 mod loopsubdiv;
 mod material;
+mod medium;
 mod meshes;
 mod reader;
 mod shape;
@@ -31,6 +32,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use self::medium::Sides;
 use self::reader::{Event, Reader};
 use self::shape::Pending;
 use self::state::State;
@@ -75,6 +77,7 @@ fn read_from(folder: &dyn Folder, main: &Path) -> Result<Imported> {
         textures: Textures::default(),
         meshes: HashMap::new(),
         subdivided: 0,
+        eye: Sides::default(),
     }
     .scene()
 }
@@ -110,6 +113,8 @@ struct Importer<'a> {
     meshes: HashMap<String, Arc<MeshData>>,
     /// Triangles made by subdivision so far.
     subdivided: usize,
+    /// What the camera stands in.
+    eye: Sides,
 }
 
 /// What saved a state.
@@ -147,6 +152,7 @@ impl<'a> Importer<'a> {
         self.finish_options()?;
         self.finish_materials()?;
         self.finish_shapes()?;
+        self.medium_around();
         Ok(self.imported)
     }
 
@@ -186,13 +192,17 @@ impl<'a> Importer<'a> {
             "MakeNamedMaterial" => self.make_named_material(statement)?,
             "NamedMaterial" => self.state.material = material::Use::Named(statement.sort().to_string(), spot),
             "Texture" => self.textures.declare(statement),
-            "MakeNamedMedium" | "MediumInterface" | "VolumeIntegrator" => self.medium(&statement),
+            "MakeNamedMedium" | "MediumInterface" | "VolumeIntegrator" => self.medium_statement(&statement)?,
             "ColorSpace" if statement.sort() != "srgb" => {
                 let message =
                     format!("the colour space '{}' is not supported: colours are taken for sRGB", statement.sort());
                 self.warn(spot, message);
             }
-            "Camera" | "Film" | "Sampler" | "PixelFilter" | "Integrator" => {
+            "Camera" => {
+                self.eye = self.state.media.clone();
+                self.options.insert(statement.keyword, (statement, self.state.ctm));
+            }
+            "Film" | "Sampler" | "PixelFilter" | "Integrator" => {
                 self.options.insert(statement.keyword, (statement, self.state.ctm));
             }
             "SurfaceIntegrator" => {
@@ -214,17 +224,6 @@ impl<'a> Importer<'a> {
         self.state.ctm = glam::DMat4::IDENTITY;
         self.in_world = true;
         self.find_exposure();
-    }
-
-    fn medium(&mut self, statement: &Statement) {
-        if statement.texts.iter().any(|name| !name.is_empty()) {
-            let message = "media are not supported yet: fog and clouds are left out".to_string();
-            // Once for all of them.
-            if self.warned.insert((usize::MAX, 0, message.clone())) {
-                let place = self.reader.place(statement.spot);
-                super::warn(&mut self.imported.warnings, || Warning::new(message).with_place(place));
-            }
-        }
     }
 
     fn note_v3(&mut self, spot: Spot) {

@@ -10,6 +10,7 @@ use glam::{DMat4, DVec3};
 use super::super::source::Spot;
 use super::super::spectrum::Role;
 use super::material::{Resolved, Use};
+use super::medium::Sides;
 use super::statement::Statement;
 use super::{Importer, Opened};
 use crate::error::{Result, did_you_mean};
@@ -39,6 +40,7 @@ pub(super) struct Pending {
     flip_normal: bool,
     material: Use,
     area_light: Option<Rc<Statement>>,
+    media: Sides,
     /// The object that it belongs to.
     group: Option<String>,
 }
@@ -83,6 +85,7 @@ impl Importer<'_> {
             flip_normal,
             material: self.state.material.clone(),
             area_light: self.state.area_light.clone(),
+            media: self.state.media.clone(),
             group: self.group.clone(),
             statement: Rc::new(statement),
         });
@@ -196,13 +199,20 @@ impl Importer<'_> {
     }
 
     fn finish_shape(&mut self, shape: Pending) -> Result<()> {
-        let Pending { statement, geometry, transform, flip_normal, material, area_light, group } = shape;
+        let Pending { statement, geometry, transform, flip_normal, material, area_light, media, group } = shape;
+        let interior = self.interior(&media);
         let is_instance = matches!(geometry, GeometryDescription::Instance { .. });
         let (material, emission) = if is_instance {
             (None, None)
         } else {
-            let Resolved::Material(material) = self.resolve(&material)? else { return Ok(()) };
-            let material = self.masked(&statement, material)?;
+            let material = match self.resolve(&material)? {
+                Resolved::Material(material) => self.masked(&statement, material)?,
+                // The border of a medium and nothing else; without one it is nothing.
+                Resolved::Interface if interior.is_some() => {
+                    MaterialRef::Inline(Box::new(MaterialDescription::None {}))
+                }
+                Resolved::Interface => return Ok(()),
+            };
             let emission = match (&area_light, &group) {
                 (Some(light), Some(_)) => {
                     self.warn(light.spot, "an object that is instanced cannot emit light: its light is left out");
@@ -214,6 +224,8 @@ impl Importer<'_> {
             (Some(material), emission)
         };
         let shape = ShapeDescription {
+            interior: interior.filter(|_| !is_instance),
+            priority: 0,
             geometry,
             material,
             emission,

@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3};
 
 use super::Importer;
 use super::material::Use;
+use super::medium::Sides;
 use super::statement::{Parameter, Statement};
 use crate::error::Result;
 
@@ -25,6 +26,8 @@ pub(super) struct State {
     pub reverse: bool,
     pub material: Use,
     pub area_light: Option<Rc<Statement>>,
+    /// What is on either side of a surface.
+    pub media: Sides,
     /// Parameters set by `Attribute`, with what they are for.
     attributes: Rc<Vec<(String, Vec<Parameter>)>>,
 }
@@ -37,6 +40,7 @@ impl Default for State {
             reverse: false,
             material: Use::Default,
             area_light: None,
+            media: Sides::default(),
             attributes: Rc::default(),
         }
     }

@@ -10,7 +10,7 @@ use crate::geometry::{Cone, Ray, Surface};
 use crate::integrator::look::{Look, Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
-use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius};
+use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius, Volume};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
@@ -272,7 +272,7 @@ impl Chain {
     fn look(&self, scene: &Scene, map: &PhotonMap, end: usize) -> Option<Vec<Spectrum>> {
         let (mut found, mut sink) = (Nearest::default(), Noted::default());
         let merge = Merge::new(map, MERGING, &mut found);
-        let mut look = Look::new(scene, self.max_bounces(), &mut sink, Some(merge));
+        let mut look = Look::merging(scene, self.max_bounces(), &mut sink, merge, None);
         for at in 1..=end {
             let path = self.state(at - 1, at, at - 1);
             if at == self.last() && !matches!(self.lamp, Lamp::Shape(..)) {
@@ -293,7 +293,15 @@ impl Chain {
     fn photon(&self, scene: &Scene, end: usize) -> Option<Photon> {
         let instead = Instead::new(scene, MERGING.density(MERGING.further), MERGING.on_from_further);
         let max_bounces = self.max_bounces();
-        let mut deposit = Deposit { photons: Vec::new(), direct: false, max_bounces, path: 0, instead: Some(instead) };
+        let mut deposit = Deposit {
+            photons: Vec::new(),
+            beams: Vec::new(),
+            volume: Volume::Points,
+            direct: false,
+            max_bounces,
+            path: 0,
+            instead: Some(instead),
+        };
         let source = match self.lamp {
             Lamp::Shape(shape, surface) => Source::Shape(shape, surface),
             Lamp::Point(_) => Source::Point,
@@ -333,7 +341,11 @@ impl Chain {
             Way::Shadow => {
                 // The last light is that of photons, of which there are none.
                 let added = self.look(scene, &map(Vec::new()), last - 1)?;
-                let direct = |point: &SurfacePoint| direct_light(scene, point, &mut self.sampler.clone(), |_, _| 1.0);
+                let direct = |point: &SurfacePoint| {
+                    direct_light(scene, point, &self.state(last - 2, last - 1, 0), &mut self.sampler.clone(), |_, _| {
+                        1.0
+                    })
+                };
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
                 (added[added.len() - 2], all)
             }

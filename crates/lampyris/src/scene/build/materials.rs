@@ -34,6 +34,7 @@ pub(super) struct Builder<'d> {
     asks: HashMap<MaterialId, Asks>,
     default: Option<MaterialId>,
     black: Option<MaterialId>,
+    nothing: Option<MaterialId>,
 }
 
 /// How far a named material is.
@@ -47,7 +48,7 @@ impl<'d> Builder<'d> {
     pub(super) fn new(description: &'d SceneDescription, assets: &'d dyn Assets) -> Builder<'d> {
         let (textures, materials) = (textures::Builder::new(description, assets), Materials::default());
         let (named, asks) = (HashMap::new(), HashMap::new());
-        Builder { description, textures, materials, named, depth: 0, asks, default: None, black: None }
+        Builder { description, textures, materials, named, depth: 0, asks, default: None, black: None, nothing: None }
     }
 
     /// The textures, for what else has some.
@@ -64,10 +65,19 @@ impl<'d> Builder<'d> {
         self.materials
     }
 
-    /// The material of a shape: what it says, else black for a lamp and grey for all others.
-    pub(super) fn of_shape(&mut self, material: Option<&'d MaterialRef>, emits: bool) -> Result<MaterialId> {
+    /// The material of a shape: what it says, else black for a lamp, nothing for what only holds a medium, and grey for
+    /// all others.
+    pub(super) fn of_shape(
+        &mut self,
+        material: Option<&'d MaterialRef>,
+        emits: bool,
+        holds: bool,
+    ) -> Result<MaterialId> {
         if let Some(material) = material {
             return self.resolve(material, "material");
+        }
+        if holds && !emits {
+            return Ok(*self.nothing.get_or_insert_with(|| self.materials.add(Material::None)));
         }
         let (slot, reflectance) = if emits { (&mut self.black, 0.0) } else { (&mut self.default, 0.5) };
         let reflectance = Texture::Constant(Spectrum::grey(reflectance));
@@ -113,6 +123,7 @@ impl<'d> Builder<'d> {
 
     fn add(&mut self, material: &'d MaterialDescription) -> Result<MaterialId> {
         let material = match material {
+            MaterialDescription::None {} => Material::None,
             MaterialDescription::Diffuse { reflectance } => {
                 Material::Diffuse { reflectance: self.paint("reflectance", reflectance)? }
             }

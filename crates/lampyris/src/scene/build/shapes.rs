@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Mat3, Mat4, Vec3};
 
 use super::textures::Quantity;
-use super::{check, materials};
+use super::{check, materials, media};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Disk, GroupId, Mesh, MeshData, Plane, Quad, Shape, Sphere, Surfaces, SurfacesBuilder};
 use crate::light::{Area, LightId};
@@ -16,8 +16,8 @@ use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 
 /// Collects shapes.
-#[derive(Default)]
 pub(super) struct Builder<'d> {
+    media: &'d media::Builder<'d>,
     surfaces: SurfacesBuilder,
     groups: BTreeMap<&'d String, GroupId>,
     records: Vec<ShapeRecord>,
@@ -25,6 +25,11 @@ pub(super) struct Builder<'d> {
 }
 
 impl<'d> Builder<'d> {
+    pub(super) fn new(media: &'d media::Builder<'d>) -> Builder<'d> {
+        let (surfaces, groups) = (SurfacesBuilder::default(), BTreeMap::new());
+        Builder { media, surfaces, groups, records: Vec::new(), lights: Vec::new() }
+    }
+
     /// Adds a group, before the shapes that name it.
     pub(super) fn add_group(
         &mut self,
@@ -57,9 +62,10 @@ impl<'d> Builder<'d> {
         }
         check::transform("transform", &shape.transform)?;
         let geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
-        let material = materials.of_shape(shape.material.as_ref(), false)?;
+        let interior = self.media.interior(shape.interior.as_ref(), shape.priority)?;
+        let material = materials.of_shape(shape.material.as_ref(), false, interior.is_some())?;
         let asks = materials.asks(material);
-        self.records.push(ShapeRecord { material, light: None, asks, name: shape.name.clone() });
+        self.records.push(ShapeRecord { material, light: None, interior, asks, name: shape.name.clone() });
         Ok(geometry)
     }
 
@@ -68,6 +74,7 @@ impl<'d> Builder<'d> {
             ("material", shape.material.is_some()),
             ("emission", shape.emission.is_some()),
             ("flip_normal", shape.flip_normal),
+            ("interior", shape.interior.is_some()),
         ];
         if let Some((key, _)) = own.into_iter().find(|(_, given)| *given) {
             return Err(Error::at_key(key, "an instance shows its group's shapes as they are")
@@ -91,7 +98,8 @@ impl<'d> Builder<'d> {
             return self.add_instance(shape, group);
         }
         let geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
-        let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some())?;
+        let interior = self.media.interior(shape.interior.as_ref(), shape.priority)?;
+        let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some(), interior.is_some())?;
         let (mut light, mut asks) = (None, materials.asks(material));
         if let Some(emission) = &shape.emission {
             let number = self.records.len() as u32;
@@ -101,7 +109,7 @@ impl<'d> Builder<'d> {
             self.lights.push(area);
         }
         self.surfaces.add(geometry, shape.flip_normal);
-        self.records.push(ShapeRecord { material, light, asks, name: shape.name.clone() });
+        self.records.push(ShapeRecord { material, light, interior, asks, name: shape.name.clone() });
         Ok(())
     }
 

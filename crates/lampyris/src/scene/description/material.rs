@@ -21,6 +21,9 @@ pub enum MaterialRef {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub enum MaterialDescription {
+    /// Nothing: light goes straight through, as at the border of a medium in air.
+    #[serde(rename_all = "kebab-case")]
+    None {},
     /// Reflects equally in all directions (Lambert), on both sides unless wrapped otherwise.
     #[serde(rename_all = "kebab-case")]
     Diffuse {

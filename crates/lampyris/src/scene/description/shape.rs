@@ -15,8 +15,15 @@ pub struct ShapeDescription {
     /// The geometry; in TOML its keys stand beside those of the shape.
     #[schemars(flatten)]
     pub geometry: GeometryDescription,
-    /// The material; diffuse 0.5 by default, black for a shape that emits.
+    /// The material; diffuse 0.5 by default, black for a shape that emits, and `none` for one with an interior.
     pub material: Option<MaterialRef>,
+    /// The name of the medium inside of this closed shape, on the side against the normal; or "clear" for empty space, such
+    /// as that of clear glass in fog. By default the shape changes nothing about what it stands in.
+    pub interior: Option<String>,
+    /// Where shapes with interiors overlap, the one of the highest priority counts; among equals, the one that a path has
+    /// entered last (default 0).
+    #[serde(default)]
+    pub priority: u16,
     /// Light that the surface emits, on the side of its normal.
     pub emission: Option<EmissionDescription>,
     /// Moves the geometry from its own coordinates to the world.

@@ -41,6 +41,7 @@ fn integrator(integrator: &IntegratorDescription) -> Result<()> {
             settings.photons.map_or(Ok(()), paths)?;
             at_least_one("integrator.samples", settings.samples)?;
             settings.radius.map_or(Ok(()), |radius| positive("integrator.radius", radius))?;
+            settings.volume_radius.map_or(Ok(()), |radius| positive("integrator.volume-radius", radius))?;
             between("integrator.alpha", settings.alpha, 0.0, 1.0)
         }
         IntegratorDescription::PhotonMap(settings) => {
@@ -52,6 +53,8 @@ fn integrator(integrator: &IntegratorDescription) -> Result<()> {
                     .with_hint("the k-th photon gives the radius and is not counted itself"));
             }
             settings.radius.map_or(Ok(()), |radius| positive("integrator.radius", radius))?;
+            settings.volume_radius.map_or(Ok(()), |radius| positive("integrator.volume-radius", radius))?;
+            settings.volume_alpha.map_or(Ok(()), |alpha| between("integrator.volume-alpha", alpha, 0.0, 1.0))?;
             between("integrator.alpha", settings.alpha, 0.0, 1.0)
         }
         IntegratorDescription::Path(settings) => at_least_one("integrator.samples", settings.samples),

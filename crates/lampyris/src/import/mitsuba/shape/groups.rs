@@ -39,6 +39,8 @@ impl<'a> Importer<'a> {
         let key = self.next_shape();
         self.note(&key, query.object.spot);
         self.push_shape(ShapeDescription {
+            interior: None,
+            priority: 0,
             geometry: GeometryDescription::Instance { group: name },
             material: None,
             emission: None,

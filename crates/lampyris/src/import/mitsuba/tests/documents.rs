@@ -245,6 +245,6 @@ fn what_nobody_knows_is_a_warning_with_its_place() {
         found.contains(&"a.xml:3:29: 'wobble' of shape 'sphere' is not known and is ignored".to_string()),
         "{found:?}"
     );
-    assert!(found.iter().any(|message| message.contains("medium 'fog' in shape 'sphere' is left out")), "{found:?}");
+    assert!(found.iter().any(|message| message.contains("medium 'fog' is not supported: it is left out")), "{found:?}");
     assert!(found.iter().any(|message| message.contains("<thing> in the scene is left out")), "{found:?}");
 }

@@ -5,6 +5,7 @@ mod groups;
 mod hostile;
 mod lights;
 mod materials;
+mod media;
 mod mutations;
 mod odd;
 mod parts;

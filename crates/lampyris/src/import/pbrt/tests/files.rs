@@ -156,13 +156,13 @@ fn instances_of_nothing_are_left_out_and_objects_do_not_shine() {
 }
 
 #[test]
-fn media_and_motion_are_said_to_be_missing_once() {
+fn clouds_and_motion_are_said_to_be_missing_once() {
     let text =
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" MediumInterface \"fog\" \"\" MediumInterface \"fog\"
+        "MakeNamedMedium \"fog\" \"string type\" \"nanovdb\" MediumInterface \"fog\" \"\" MediumInterface \"fog\"
         ActiveTransform EndTime Translate 9 9 9 ActiveTransform All Shape \"sphere\"";
     let imported = scene(text).expect("valid");
     assert_eq!(center(&imported.description.shapes[0]), [0.0; 3]);
     let messages = messages(&imported);
     assert_eq!(messages.len(), 2, "{messages:?}");
-    assert!(messages[0].contains("media are not supported yet") && messages[1].contains("motion"));
+    assert!(messages[0].contains("medium 'nanovdb' is not supported") && messages[1].contains("motion"));
 }

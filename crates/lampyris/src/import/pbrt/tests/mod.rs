@@ -3,6 +3,7 @@
 mod files;
 mod hostile;
 mod materials;
+mod media;
 mod mutations;
 mod parts;
 mod real_files;

@@ -1,0 +1,215 @@
+//! How light in media is estimated: by what kind of photons, and within which radius (theory §8.4).
+
+use glam::Vec2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::path::CAMERA_ROULETTE_FROM;
+use super::photons::Photons;
+use super::pilot::{PASS, fallback, median};
+use super::{Observer, Pass};
+use crate::film::Sink;
+use crate::material::Lobes;
+use crate::medium::MediumId;
+use crate::photon::{Beam, Kernel, Radius, Volume, VolumeMap, shrunk};
+use crate::sampler::{Sampler, purpose};
+use crate::scene::description::FilmDescription;
+use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
+use crate::transport::{Crossing, Limits, Origin, PathState, Segment, Visitor, walk};
+
+/// What is estimated how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct VolumeEstimate {
+    /// By what.
+    pub volume: Volume,
+    /// With this kernel.
+    pub kernel: Kernel,
+    /// Of this radius at the first pass, in scene units.
+    pub radius: f32,
+    /// Which shrinks so slowly; none if it stays.
+    pub alpha: Option<f32>,
+}
+
+/// What a user may say of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wishes {
+    pub volume: Option<Volume>,
+    pub radius: Option<f32>,
+    pub alpha: Option<f32>,
+    pub kernel: Kernel,
+    /// Whether the radius shrinks at all.
+    pub shrinks: bool,
+    /// How many photons a typical ray finds.
+    pub count: usize,
+}
+
+/// Beams where light flies on average farther than this many radii: beyond, points have less noise for their price
+/// [Křivánek et al. 2014, §6.3].
+const FREE_FLIGHT: f32 = std::f32::consts::FRAC_PI_2;
+
+/// Light paths of the pilot, at most: enough to know distances by.
+const PILOT_PATHS: u64 = 50_000;
+
+/// Rays of the pilot.
+const RAYS: u64 = 128;
+
+impl VolumeEstimate {
+    /// What is wished for; measured where nothing is said. None where there is nothing in the scene to be estimated.
+    pub(super) fn new(
+        scene: &Scene,
+        film: &FilmDescription,
+        wishes: Wishes,
+        photons: Photons,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Option<VolumeEstimate> {
+        if !scene.has_media() {
+            return None;
+        }
+        let with = |volume: Volume| {
+            let optimum = match volume {
+                Volume::Beams => 4.0 / 5.0,
+                Volume::Points => 2.0 / 3.0,
+                Volume::Balls => 4.0 / 7.0,
+            };
+            let alpha = wishes.shrinks.then(|| wishes.alpha.unwrap_or(optimum));
+            let estimate = VolumeEstimate { volume, kernel: wishes.kernel, radius: 1.0, alpha };
+            let radius = wishes.radius.unwrap_or_else(|| {
+                estimate.measure(scene, film, wishes.count, photons, seed, observer).unwrap_or_else(|| fallback(scene))
+            });
+            VolumeEstimate { radius, ..estimate }
+        };
+        Some(match wishes.volume {
+            // What a beam weighs along its way is not known there.
+            Some(Volume::Beams) | None if coloured_cloud(scene) => with(Volume::Points),
+            Some(volume) => with(volume),
+            None => {
+                let beams = with(Volume::Beams);
+                if free_flight(scene) > FREE_FLIGHT * beams.radius { beams } else { with(Volume::Points) }
+            }
+        })
+    }
+
+    /// Whether it can have been chosen so: films come from anywhere.
+    pub(super) fn is_fit(&self) -> bool {
+        let alpha = self.alpha.is_none_or(|alpha| (0.0..=1.0).contains(&alpha));
+        self.radius.is_finite() && self.radius > 0.0 && alpha
+    }
+
+    /// The radius in a pass.
+    fn radius_in(&self, pass: &Pass) -> f32 {
+        let shrunk = match (self.alpha, self.volume) {
+            (None, _) => 1.0,
+            (Some(alpha), Volume::Beams) => shrunk::<1>(pass.index, alpha),
+            (Some(alpha), Volume::Points) => shrunk::<2>(pass.index, alpha),
+            (Some(alpha), Volume::Balls) => shrunk::<3>(pass.index, alpha),
+        };
+        self.radius * shrunk
+    }
+
+    /// The map of a pass.
+    pub(super) fn map(&self, blocks: Vec<Vec<Beam>>, paths: u64, pass: &Pass) -> VolumeMap {
+        VolumeMap::new(blocks, paths, self.volume, self.kernel, self.radius_in(pass))
+    }
+
+    /// The radius within which a typical ray finds so many photons of a pass.
+    fn measure(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        count: usize,
+        photons: Photons,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Option<f32> {
+        let paths = photons.paths.min(PILOT_PATHS);
+        // The pilot's are fewer than those of a pass.
+        let count = (count as f32 * paths as f32 / photons.paths as f32).max(1.0);
+        let pass = Pass { index: PASS, seed };
+        let photons = Photons { paths, volume: Some(VolumeEstimate { radius: f32::MAX.sqrt(), ..*self }), ..photons };
+        let map = photons.maps(scene, &pass, Radius::Fixed(fallback(scene)), || None, observer).volume?;
+        let [width, height] = film.size.map(|side| side as f32);
+        let limits = Limits { max_bounces: photons.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+        let ray = |index: u64| {
+            let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, index);
+            let (ray, _) = scene.view(sampler.square() * Vec2::new(width, height), &mut sampler);
+            let path = PathState { inside: scene.inside_of_view(&ray), ..PathState::new(ray, Spectrum::ONE) };
+            let mut along = Along { map: &map, distances: Vec::new() };
+            walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut along);
+            along.distances.sort_unstable_by(f32::total_cmp);
+            let at = (count as usize).min(along.distances.len().checked_sub(1)?);
+            // If there are fewer photons, by their density.
+            Some(along.distances[at] * (count / (at as f32 + 1.0)).max(1.0).powf(1.0 / self.dimensions()))
+        };
+        median((0..RAYS).into_par_iter().filter_map(ray).collect())
+    }
+
+    /// Of the blur.
+    fn dimensions(&self) -> f32 {
+        match self.volume {
+            Volume::Beams => 1.0,
+            Volume::Points | Volume::Balls => 2.0,
+        }
+    }
+}
+
+/// The shortest mean distance between collisions in any medium that scatters.
+fn free_flight(scene: &Scene) -> f32 {
+    let media = 0..scene.media().len() as MediumId;
+    let scatters = media.map(|id| scene.media()[usize::from(id)].matter(id, scene.basis()));
+    scatters
+        .filter(|matter| !matter.scattering.is_zero())
+        .fold(f32::INFINITY, |shortest, matter| shortest.min(1.0 / matter.most_extinction()))
+}
+
+/// Whether in any medium of varying density the lanes differ.
+fn coloured_cloud(scene: &Scene) -> bool {
+    scene
+        .media()
+        .iter()
+        .any(|medium| medium.cloud.as_ref().is_some_and(|cloud| cloud.is_coloured() || medium.is_coloured()))
+}
+
+/// Notes how far photons lie from the ways of a path.
+struct Along<'m> {
+    map: &'m VolumeMap,
+    distances: Vec<f32>,
+}
+
+impl Visitor for Along<'_> {
+    const CROSSING: Crossing = Crossing::Fade;
+
+    fn segment(&mut self, segment: &Segment, _: &PathState, _: &mut Sampler) {
+        self.distances.extend(self.map.distances(segment));
+    }
+
+    fn vertex(&mut self, _: &SurfacePoint, _: &PathState, _: &mut Sampler) -> Lobes {
+        Lobes::DELTA
+    }
+}
+
+/// Leaves at `sink` the light of all photons that have been scattered at most so often and shine along a segment, and tells of each.
+pub(super) fn gather<S: Sink>(
+    map: &VolumeMap,
+    segment: &Segment,
+    path: &PathState,
+    max_bounces: u32,
+    sampler: &mut Sampler,
+    sink: &mut S,
+    mut tell: impl FnMut(&Beam, Spectrum),
+) {
+    // The event in which the photons are read is one of the path's, too.
+    let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
+    map.gather(segment, path.ior, sampler, |beam, light, _| {
+        if u32::from(beam.bounce) > most {
+            return;
+        }
+        let light = path.throughput * light;
+        tell(beam, light);
+        sink.add(light, path.bounce + 1 + u32::from(beam.bounce));
+        if S::LAYERED && path.bounce == 0 && beam.is_caustic() {
+            sink.was_caustic(light);
+        }
+    });
+}
