@@ -26,6 +26,7 @@ mod scene;
 #[cfg(test)]
 mod tests;
 mod tga;
+mod transient;
 
 use std::io::Read;
 use std::path::Path;
@@ -33,6 +34,7 @@ use std::path::Path;
 pub use atomic::{check_writable, write_whole};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
 pub use scene::{check_scene_path, write_scene};
+pub use transient::{TransientFormat, check_transient_path, read_transient, sidecar_path, write_transient};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;
