@@ -3,6 +3,18 @@
 //! Time is *optical path length*, the geometric length of a path times the index of refraction along it, in scene units,
 //! counted from the moment at which all lamps flash. Divided by the speed of light it is a time.
 
+mod phasor;
+mod pulse;
+mod spad;
+mod tof;
+mod views;
+
+pub use phasor::Phasors;
+pub use pulse::{Pulse, Table};
+pub use spad::{Counting, Spad};
+pub use tof::TimeOfFlight;
+pub use views::rainbow_color;
+
 use crate::error::{Error, Result};
 use crate::image::Image;
 
