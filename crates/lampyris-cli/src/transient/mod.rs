@@ -209,7 +209,7 @@ fn picture(transient: &Transient, arguments: &TransientArguments, look: &Look, f
         _ => {
             let peaks =
                 transient.picture(|profile| [profile.iter().map(|&value| luminance(value)).fold(0.0, f32::max); 3]);
-            let (image, ends) = transient.rainbow(look.white_of(&peaks));
+            let (image, ends) = transient.rainbow(look.exposed_white_of(&peaks));
             if let Some([first, last]) = ends {
                 print(&format!("peaks from {first} (red) to {last} (violet)\n"))?;
             }
