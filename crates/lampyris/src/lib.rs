@@ -36,4 +36,5 @@ mod shared_tests;
 pub mod spectrum;
 pub mod texture;
 pub mod tonemap;
+pub mod transient;
 pub mod transport;

@@ -5,13 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The floor of each module, as ARCHITECTURE.md has them.
-const FLOORS: [(&str, u32); 24] = [
+const FLOORS: [(&str, u32); 25] = [
     ("math", 0),
     ("error", 0),
     ("image", 0),
     ("observer", 0),
     ("spectrum", 1),
     ("sampler", 1),
+    ("transient", 2),
     ("geometry", 2),
     ("texture", 3),
     ("material", 3),

@@ -17,7 +17,7 @@ use super::photons::{Maps, Photons};
 use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
 use crate::light::Guide;
 use crate::material::Lobes;
 use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
@@ -111,7 +111,14 @@ impl Auto {
         self.pilot.merging(shrunk::<2>(pass.index, self.settings.alpha))
     }
 
-    fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+    fn look<S: Sink>(
+        &self,
+        empty: S,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        observer: &dyn Observer,
+    ) -> Exposure {
         let scene = &*guided(scene, &self.guide);
         let merging = self.merging(pass);
         let Maps { surface, volume } =
@@ -119,7 +126,7 @@ impl Auto {
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
+        camera_pass(scene, film, pass, samples, observer, Nearest::default, empty, |path, sampler, found, sink| {
             let merge = Merge::new(&surface, merging, found);
             let mut look = Look::merging(scene, limits.max_bounces, sink, merge, volume.as_ref());
             walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
@@ -326,9 +333,10 @@ impl Integrator for Auto {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure {
-        match layers.is_empty() {
-            true => self.look::<Plain>(scene, film, pass, observer),
-            false => self.look::<Layered>(scene, film, pass, observer),
+        match (Clock::of(film), layers.is_empty()) {
+            (None, true) => self.look(Plain::default(), scene, film, pass, observer),
+            (None, false) => self.look(Layered::default(), scene, film, pass, observer),
+            (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, observer),
         }
     }
 

@@ -9,11 +9,11 @@ use super::blocks::{camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
-use crate::film::{Exposure, Kind, Layered, Layers, Plain, Sink};
+use crate::film::{Arrival, Clock, Exposure, Kind, Layered, Layers, Plain, Sink, Timed};
 use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
-use crate::scene::description::{FilmDescription, LightSettings};
+use crate::scene::description::{FilmDescription, LightSettings, TimeDescription, Unwarp};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 use crate::transport::{Crossing, Limits, MediumPoint, Origin, PathState, Visitor, walk};
@@ -38,19 +38,27 @@ impl Integrator for LightTracing {
         let paths = self.settings.photons.map_or(u64::from(width) * u64::from(height), u64::from);
         let max_bounces = self.settings.max_bounces;
         observer.phase(Phase::Photons);
-        let new = || Splat { scene, film, splats: Vec::new(), max_bounces };
+        let new = || Splat::new(scene, film, max_bounces);
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
-        let mut exposure = match layers.is_empty() {
-            true => emission::<Plain>(scene, film, pass, max_bounces, observer),
-            false => emission::<Layered>(scene, film, pass, max_bounces, observer),
+        let clock = Clock::of(film);
+        let mut exposure = match (clock, layers.is_empty()) {
+            (None, true) => emission(Plain::default(), scene, film, pass, max_bounces, observer),
+            (None, false) => emission(Layered::default(), scene, film, pass, max_bounces, observer),
+            (Some(clock), none) => emission(Timed::new(clock, !none), scene, film, pass, max_bounces, observer),
         };
         let scale = 1.0 / paths as f32;
-        for Arrival { at, light, kind } in blocks.into_iter().flat_map(|block| block.splats) {
+        let mut arrivals = Vec::new();
+        for Splatted { at, light, kind, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
-                exposure.add(pixel as usize, scene.basis().to_rgb(light * (scale * share)), kind);
+                let light = scene.basis().to_rgb(light * (scale * share));
+                exposure.add(pixel as usize, light, kind);
+                if let Some(clock) = &clock {
+                    arrivals.push(Arrival { pixel: pixel as u32, slot: clock.slot(optical_length), light });
+                }
             }
         }
+        exposure.add_arrivals(arrivals);
         exposure
     }
 
@@ -61,6 +69,7 @@ impl Integrator for LightTracing {
 
 /// Lamps and the background in plain sight.
 fn emission<S: Sink>(
+    empty: S,
     scene: &Scene,
     film: &FilmDescription,
     pass: &Pass,
@@ -74,7 +83,8 @@ fn emission<S: Sink>(
         1,
         &Rowless(observer),
         || (),
-        |path, sampler, (), sink: &mut S| {
+        empty,
+        |path, sampler, (), sink| {
             let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
             let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
             if S::LAYERED {
@@ -95,12 +105,14 @@ impl<S: Sink> Visitor for InSight<'_, S> {
     const CROSSING: Crossing = Crossing::Fade;
 
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
-        self.sink.add(path.throughput * self.scene.emitted(point), 0);
+        self.sink.add(path.throughput * self.scene.emitted(point), 0, path.optical_length);
         point.bsdf.lobes().and(Lobes::HOLES)
     }
 
     fn escaped(&mut self, path: &PathState) {
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction), 0);
+        let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
+        let optical_length = path.optical_length + f64::from(distance);
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), 0, optical_length);
     }
 }
 
@@ -126,20 +138,22 @@ impl Observer for Rowless<'_> {
 }
 
 /// Light that arrives at the camera.
-struct Arrival {
+pub(super) struct Splatted {
     /// The point of the picture, in pixels.
     at: Vec2,
     /// Radiance as if the path were the only one.
-    light: Spectrum,
+    pub light: Spectrum,
     /// What it met on its way.
     kind: Kind,
+    /// Optical length of its way, in scene units, as far as it counts.
+    pub optical_length: f64,
 }
 
 /// Connects every vertex to the camera.
-struct Splat<'a> {
+pub(super) struct Splat<'a> {
     scene: &'a Scene,
     film: &'a FilmDescription,
-    splats: Vec<Arrival>,
+    pub splats: Vec<Splatted>,
     max_bounces: u32,
 }
 
@@ -161,7 +175,11 @@ impl Visitor for Splat<'_> {
     }
 }
 
-impl Splat<'_> {
+impl<'a> Splat<'a> {
+    pub(super) fn new(scene: &'a Scene, film: &'a FilmDescription, max_bounces: u32) -> Splat<'a> {
+        Splat { scene, film, splats: Vec::new(), max_bounces }
+    }
+
     /// The camera as a point sees it, if the point is in the picture.
     fn seen(&self, at: Vec3, sampler: &mut Sampler) -> Option<(Seen, Vec3)> {
         let seen = self.scene.seen_by_camera(at, sampler.square())?;
@@ -169,7 +187,7 @@ impl Splat<'_> {
         Some((seen, (seen.lens - at).normalize()))
     }
 
-    fn connect(&self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Option<Arrival> {
+    fn connect(&self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
         let at = point.surface.position;
         let (seen, to_camera) = self.seen(at, sampler)?;
         // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.
@@ -184,26 +202,41 @@ impl Splat<'_> {
             }
             false => path.throughput * value * self.scene.visibility(&point.surface, &way),
         };
-        Arrival::of(&seen, light, path)
+        let ior = || path.ior * point.ior_toward(seen.lens - at);
+        self.splatted(&seen, light, path, at, ior)
     }
 
-    fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Arrival> {
+    fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
         let (seen, to_camera) = self.seen(point.position, sampler)?;
         let way = Illumination::way(point.position, seen.lens);
         let passage = self.scene.passage(point.position, path.inside, &way, sampler);
         let value = point.albedo * (point.value(to_camera) * seen.importance);
-        Arrival::of(&seen, path.throughput * value * passage, path)
+        self.splatted(&seen, path.throughput * value * passage, path, point.position, || path.ior)
     }
-}
 
-impl Arrival {
-    /// Light that a path brings to the camera, unless there is none.
-    fn of(seen: &Seen, light: Spectrum, path: &PathState) -> Option<Arrival> {
+    /// Light that a path brings to the camera from a point where it goes off with this index of refraction, unless there is
+    /// none.
+    fn splatted(
+        &self,
+        seen: &Seen,
+        light: Spectrum,
+        path: &PathState,
+        at: Vec3,
+        ior: impl FnOnce() -> f32,
+    ) -> Option<Splatted> {
         let kind = match path.bounce {
             0 => Kind::Direct,
             _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
             _ => Kind::Other,
         };
-        (!light.is_zero()).then_some(Arrival { at: seen.pixel, light, kind })
+        (!light.is_zero()).then(|| {
+            // In scene units where the camera is, without what does not count.
+            let last = match &self.film.time {
+                Some(TimeDescription { unwarp: Unwarp::FirstSurface | Unwarp::LastSegment, .. }) => 0.0,
+                _ => f64::from(seen.lens.distance(at)),
+            };
+            let optical_length = path.optical_length / f64::from(ior()) + last;
+            Splatted { at: seen.pixel, light, kind, optical_length }
+        })
     }
 }

@@ -45,8 +45,16 @@ impl Photons {
         let photons = || Vec::with_capacity(2 * BLOCK as usize);
         let volume = self.volume.map_or(Volume::Points, |estimate| estimate.volume);
         let beams = Vec::new;
-        let new =
-            || Deposit { photons: photons(), beams: beams(), volume, direct, max_bounces, path: 0, instead: instead() };
+        let new = || Deposit {
+            photons: photons(),
+            beams: beams(),
+            volume,
+            direct,
+            max_bounces,
+            path: 0,
+            parallel: false,
+            instead: instead(),
+        };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Map);
         let (blocks, beams): (Vec<Vec<Photon>>, Vec<_>) =

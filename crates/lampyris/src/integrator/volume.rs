@@ -1,4 +1,4 @@
-//! How light in media is estimated: by what kind of photons, and within which radius (theory §8.4).
+//! How light in media is estimated: by what kind of photons, and within which radius (theory §9.4).
 
 use glam::Vec2;
 use rayon::prelude::*;
@@ -201,13 +201,13 @@ pub(super) fn gather<S: Sink>(
 ) {
     // The event in which the photons are read is one of the path's, too.
     let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
-    map.gather(segment, path.ior, sampler, |beam, light, _| {
+    map.gather(segment, path.ior, sampler, |beam, light, way| {
         if u32::from(beam.bounce) > most {
             return;
         }
         let light = path.throughput * light;
         tell(beam, light);
-        sink.add(light, path.bounce + 1 + u32::from(beam.bounce));
+        sink.add(light, path.bounce + 1 + u32::from(beam.bounce), path.optical_length + way);
         if S::LAYERED && path.bounce == 0 && beam.is_caustic() {
             sink.was_caustic(light);
         }

@@ -1,4 +1,4 @@
-//! How far light flies through a medium, and how much of it (theory §8.1).
+//! How far light flies through a medium, and how much of it (theory §9.1).
 
 use glam::Vec3;
 

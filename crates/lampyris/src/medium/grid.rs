@@ -1,4 +1,4 @@
-//! Media whose density a grid gives: trilinear between its values, with bounds for parts of it (theory §8.5).
+//! Media whose density a grid gives: trilinear between its values, with bounds for parts of it (theory §9.5).
 
 use std::sync::Arc;
 

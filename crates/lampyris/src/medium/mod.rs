@@ -1,4 +1,4 @@
-//! Participating media: what is between surfaces, and what light does there (theory §8).
+//! Participating media: what is between surfaces, and what light does there (theory §9).
 
 mod flight;
 mod grid;

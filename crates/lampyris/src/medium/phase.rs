@@ -1,4 +1,4 @@
-//! Phase functions: where light goes that a particle scatters (theory §8.2).
+//! Phase functions: where light goes that a particle scatters (theory §9.2).
 //!
 //! All are normalised over the sphere and drawn from exactly, so that the value is the density, too. The angle is that
 //! between the direction of travel before and after: its cosine is 1 forward.

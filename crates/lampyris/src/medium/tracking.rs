@@ -1,4 +1,4 @@
-//! Flights through clouds, by particles that change nothing: null collisions (theory §8.5).
+//! Flights through clouds, by particles that change nothing: null collisions (theory §9.5).
 
 use super::flight::{Flight, over_mean};
 use super::{Cloud, Matter};

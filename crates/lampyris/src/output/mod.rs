@@ -9,6 +9,9 @@
 //! | `.ppm` | linear radiance in 65536 steps of the largest value | text, with the `#MAX=` of the course |
 //! | `.png` | display values: radiance cut off at 1, then the sRGB curve | 8 bits a channel |
 //!
+//! Light by pixel and time goes to `.npy` with a `.json`, or `.npz`; its films to animated PNG and GIF, the times of a pixel to
+//! CSV and SVG, captures of relay walls to HDF5.
+//!
 //! A PNG shows what lies in 0..1; bring a picture there first with a [`ToneMap`](crate::tonemap::ToneMap).
 //! Reading knows all of these by their first bytes, whatever the name, and JPEG too; TGA by its ending.
 
@@ -20,19 +23,29 @@ mod limits;
 mod npy;
 mod pfm;
 mod photons;
+mod plot;
 mod png;
 mod ppm;
 mod scene;
+mod tal;
 #[cfg(test)]
 mod tests;
 mod tga;
+mod transient;
+mod video;
 
 use std::io::Read;
 use std::path::Path;
 
 pub use atomic::{check_writable, write_whole};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
+pub use plot::{check_pixel, map_csv, profile_csv, profile_svg};
 pub use scene::{check_scene_path, write_scene};
+pub use tal::{encode_tal, is_hdf5, write_tal};
+pub use transient::{
+    TransientFormat, check_transient_path, read_transient, sidecar_path, write_phasors, write_transient,
+};
+pub use video::{VideoFormat, encode_video};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;
@@ -169,6 +182,11 @@ fn encode_picture(format: Format, picture: &Picture<'_>) -> Result<Vec<u8>> {
         Format::Png => png::encode(image),
         Format::Ppm => Ok(ppm::encode(image)),
     }
+}
+
+/// Three bytes a pixel, row by row, as a PNG has them: display light cut off at 0 and 1, under the sRGB curve.
+pub fn display_codes(image: &Image) -> Vec<u8> {
+    png::codes(image)
 }
 
 /// Reads the picture in a file, as [`decode`] does.

@@ -10,43 +10,81 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Little-endian 32-bit floats of shape (height, width, 3), the top row first.
 pub(super) fn encode(image: &Image) -> Vec<u8> {
-    let (height, width) = (image.height(), image.width());
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}, 3), }}");
+    encode_array(&[image.height(), image.width(), 3], bytemuck::cast_slice(image.pixels()))
+}
+
+/// Little-endian 32-bit floats of any shape of two axes or more, row-major.
+pub(super) fn encode_array(shape: &[usize], values: &[f32]) -> Vec<u8> {
+    let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
     // The values begin at a multiple of 64 bytes; the header before them ends in a line feed.
     let before = MAGIC.len() + 4;
     header.push_str(&" ".repeat((before + header.len() + 1).next_multiple_of(64) - before - header.len() - 1));
     header.push('\n');
-    let mut bytes = MAGIC.to_vec();
+    let mut bytes = Vec::with_capacity(before + header.len() + size_of_val(values));
+    bytes.extend(MAGIC);
     bytes.extend([1, 0]);
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.into_bytes());
-    bytes.extend(image.pixels().iter().flatten().flat_map(|value| value.to_le_bytes()));
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
     bytes
 }
 
 /// Reads arrays of 16-, 32- or 64-bit floats of shape (height, width, 3) or (height, width).
 pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
-    let (header, data) = split(bytes)?;
-    let sample = Sample::of(entry(header, "descr")?.trim_matches(['\'', '"']))?;
-    if entry(header, "fortran_order")? != "False" {
-        return Err(Error::new("the NPY array is in Fortran order").with_hint("save np.ascontiguousarray(array)"));
-    }
-    let shape = shape(entry(header, "shape")?)?;
-    let (height, width, channels) = match shape[..] {
+    let array = Array::of(bytes)?;
+    let (height, width, channels) = match array.shape[..] {
         [height, width] => (height, width, 1),
         [height, width, 3] => (height, width, 3),
         _ => {
-            let hint = "a picture is (height, width, 3) or (height, width)";
+            let shape = &array.shape;
+            let hint = match shape[..] {
+                [_, _, _, 1 | 3] => "it may be light by pixel and time, which 'lampyris transient' reads",
+                _ => "a picture is (height, width, 3) or (height, width)",
+            };
             return Err(Error::new(format!("an NPY array of shape {shape:?} is no picture")).with_hint(hint));
         }
     };
-    let size = sample.bytes();
-    let (width, height) = check_size(width, height, (data.len() / (size * channels)) as u64)?;
+    let (width, height) = check_size(width, height, (array.data.len() / (array.sample.bytes() * channels)) as u64)?;
     let mut image = Image::new(width, height);
-    for (pixel, data) in image.pixels_mut().iter_mut().zip(data.chunks(size * channels)) {
-        *pixel = std::array::from_fn(|channel| sample.value(&data[channel % channels * size..][..size]));
+    let mut values = array.values();
+    for pixel in image.pixels_mut() {
+        // Every value is there, or the size would not have passed.
+        let first = values.next().unwrap_or(0.0);
+        *pixel = [first; 3];
+        for value in pixel.iter_mut().take(channels).skip(1) {
+            *value = values.next().unwrap_or(0.0);
+        }
     }
     Ok(image)
+}
+
+/// An array as its file has it.
+pub(super) struct Array<'a> {
+    /// As the file claims it; the data may be too short for it.
+    pub(super) shape: Vec<u64>,
+    sample: Sample,
+    data: &'a [u8],
+}
+
+impl Array<'_> {
+    /// Reads the header of an array of 16-, 32- or 64-bit floats.
+    pub(super) fn of(bytes: &[u8]) -> Result<Array<'_>> {
+        if !bytes.starts_with(MAGIC) {
+            return Err(Error::new("not an array of NumPy"));
+        }
+        let (header, data) = split(bytes)?;
+        let sample = Sample::of(entry(header, "descr")?.trim_matches(['\'', '"']))?;
+        if entry(header, "fortran_order")? != "False" {
+            return Err(Error::new("the NPY array is in Fortran order").with_hint("save np.ascontiguousarray(array)"));
+        }
+        Ok(Array { shape: shape(entry(header, "shape")?)?, sample, data })
+    }
+
+    /// The values that are there, in the order of the file.
+    pub(super) fn values(&self) -> impl ExactSizeIterator<Item = f32> {
+        self.data.chunks_exact(self.sample.bytes()).map(|bytes| self.sample.value(bytes))
+    }
 }
 
 /// How a value is stored.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Beam, Photon, Volume};
-use crate::light::{Emission, LightId};
+use crate::light::{Emission, LightId, Source};
 use crate::material::{Lobes, Scattered};
 use crate::medium::Matter;
 use crate::sampler::Sampler;
@@ -25,6 +25,8 @@ pub struct Deposit<'s> {
     pub max_bounces: u32,
     /// The number of the path.
     pub path: u32,
+    /// Whether its first segment is one of parallel light.
+    pub parallel: bool,
     /// Notes what else could have made the paths of the photons, for those who ask.
     pub instead: Option<Instead<'s>>,
 }
@@ -83,6 +85,7 @@ impl Deposit<'_> {
 impl Visitor for Deposit<'_> {
     fn emitted(&mut self, path: u64, light: LightId, emission: &Emission) {
         self.path = path as u32;
+        self.parallel = matches!(emission.source, Source::Parallel | Source::Far(_) | Source::Hidden);
         if let Some(instead) = &mut self.instead {
             instead.from = From::Light(light, *emission);
         }
@@ -102,6 +105,8 @@ impl Visitor for Deposit<'_> {
                 direction: path.ray.direction,
                 normal: if normal.dot(point.to_previous) < 0.0 { -normal } else { normal },
                 optical_length: path.optical_length as f32,
+                reach: if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance },
+                ior: path.ior,
                 flux: path.throughput,
                 rivals,
                 path: self.path,
@@ -114,13 +119,14 @@ impl Visitor for Deposit<'_> {
 
     fn segment(&mut self, segment: &Segment, path: &PathState, _: &mut Sampler) {
         if self.volume == Volume::Beams && self.readable_in(&segment.matter, path) {
-            self.beams.push(Beam::new(self.path, path, segment.ray.origin, segment.length, segment.matter.id));
+            self.beams.push(Beam::new(self.path, path, segment.ray.origin, [0.0, segment.length], segment.matter.id));
         }
     }
 
     fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, _: &mut Sampler) -> bool {
         if self.volume != Volume::Beams && self.readable_in(&point.matter, path) {
-            self.beams.push(Beam::new(self.path, path, point.position, 0.0, point.matter.id));
+            let reach = if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance };
+            self.beams.push(Beam::new(self.path, path, point.position, [reach, 0.0], point.matter.id));
         }
         true
     }

@@ -1,4 +1,4 @@
-//! Photons in media, and the light that a ray gathers from them (theory §8.3).
+//! Photons in media, and the light that a ray gathers from them (theory §9.3).
 
 use glam::Vec3;
 
@@ -23,11 +23,13 @@ pub struct Beam {
     pub direction: Vec3,
     /// How far, in scene units.
     pub length: f32,
+    /// Length of the way straight before it, in scene units; infinite where its light came in parallel.
+    pub reach: f32,
     /// Flux in W at the start, as if its path were the only one of its pass.
     pub flux: Spectrum,
     /// Optical length of its path as far as the start, in scene units.
     pub optical_length: f64,
-    /// How much that grows with each scene unit.
+    /// Index of refraction of where it is, over that of where its path began.
     pub ior: f32,
     /// The medium.
     pub medium: MediumId,
@@ -41,11 +43,12 @@ pub struct Beam {
 
 impl Beam {
     /// Of the path of this number, from where it is.
-    pub(super) fn new(number: u32, path: &PathState, start: Vec3, length: f32, medium: MediumId) -> Beam {
+    pub(super) fn new(number: u32, path: &PathState, start: Vec3, [reach, length]: [f32; 2], medium: MediumId) -> Beam {
         Beam {
             start,
             direction: path.ray.direction,
             length,
+            reach,
             flux: path.throughput,
             optical_length: path.optical_length,
             ior: path.ior,
@@ -53,6 +56,17 @@ impl Beam {
             path: number,
             bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),
             history: path.history,
+        }
+    }
+
+    /// How much farther its light has to come to a point near it: as a spherical wave from where its path turned last, or as
+    /// a plane wave, so that a kernel's radius does not blur time to first order (theory §8).
+    fn further(&self, at: Vec3) -> f32 {
+        let offset = at - self.start;
+        if self.reach.is_finite() {
+            (offset + self.direction * self.reach).length() - self.reach
+        } else {
+            offset.dot(self.direction)
         }
     }
 
@@ -126,7 +140,7 @@ impl VolumeMap {
     }
 
     /// Tells of each photon that shines along a segment of a path from the camera: with the radiance that it sends to the
-    /// segment's start, and the optical length of the whole way from the lamp to there, where space has the path's index.
+    /// segment's start, and the optical length of the whole way from the lamp to there, where space has this index.
     pub fn gather(
         &self,
         segment: &Segment,
@@ -135,15 +149,17 @@ impl VolumeMap {
         mut tell: impl FnMut(&Beam, Spectrum, f64),
     ) {
         let unit = 1.0 / self.paths_emitted as f32;
+        let mut tell = |beam: &Beam, light: Spectrum, t: f32, further: f32| {
+            let way = beam.optical_length / f64::from(beam.ior) + f64::from(t) + f64::from(further);
+            tell(beam, light * unit, f64::from(ior) * way);
+        };
         match self.volume {
+            Volume::Beams => self.crossings(segment, sampler, tell),
             Volume::Points => self.points(segment, sampler, |beam, light, t| {
-                tell(beam, light * unit, beam.optical_length + f64::from(ior * t));
-            }),
-            Volume::Beams => self.crossings(segment, sampler, |beam, light, t, u| {
-                tell(beam, light * unit, beam.optical_length + f64::from(beam.ior * u + ior * t));
+                tell(beam, light, t, beam.further(segment.ray.at(t)));
             }),
             Volume::Balls => self.around(segment, sampler, |beam, light, t| {
-                tell(beam, light * unit, beam.optical_length + f64::from(ior * t));
+                tell(beam, light, t, beam.further(segment.ray.at(t)));
             }),
         }
     }

@@ -16,6 +16,8 @@ pub mod purpose {
     pub const CAMERA: u32 = 2;
     /// The pilot that chooses a radius.
     pub const PILOT: u32 = 3;
+    /// The photons that a detector counts.
+    pub const DETECTOR: u32 = 4;
 }
 
 /// The numbers of one path.
@@ -40,6 +42,11 @@ impl Sampler {
         // A sequence has 2³² points; then comes another one.
         let sequence = mix(family ^ mix(number >> 32)) as u32;
         Sampler { random, sequence: Some(Sequence::new(sequence, number as u32)) }
+    }
+
+    /// Bits without end for distributions that take as many as they please, such as those of `rand_distr`.
+    pub fn bits(self) -> impl Rng {
+        self.random
     }
 
     /// Goes to the dimensions that belong to one step of a path, so that the same step of other paths uses the same,

@@ -90,6 +90,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         lights: Arc::new(lights),
         camera,
         meter,
+        world,
         basis: Basis::Rgb,
         media: None,
         guide: None,

@@ -310,6 +310,7 @@ mod tests {
             all(|form| matches!(form, Form::Text)),
             [
                 ".camera.irradiance-of",
+                ".groups.interior",
                 ".groups.material:conductor.metal",
                 ".groups.material:normal-map.normals",
                 ".groups.material:bump-map.height",
@@ -318,6 +319,9 @@ mod tests {
                 ".groups:instance.group",
                 ".lights:environment.file",
                 ".lights:projector.texture",
+                ".media:grid.albedo-file",
+                ".media:grid.file",
+                ".medium",
                 ".textures:bitmap.file"
             ]
         );
@@ -327,7 +331,16 @@ mod tests {
     fn every_choice_of_types_is_known() {
         assert_eq!(
             all(|form| matches!(form, Form::Tagged(_))),
-            [".film.filter", ".groups", ".groups.material", ".integrator", ".lights", ".textures"]
+            [
+                ".film.filter",
+                ".groups",
+                ".groups.material",
+                ".integrator",
+                ".lights",
+                ".media",
+                ".media:homogeneous.phase",
+                ".textures"
+            ]
         );
     }
 }

@@ -8,34 +8,41 @@ use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 
 /// Radiance that the smooth lobes at `point` reflect from one of the lights, chosen at random, back along the path
-/// (theory §4.3), times a weight against other ways of finding the same light.
+/// (theory §4.3), times a weight against other ways of finding the same light; with the distance that it came, in scene
+/// units times the index of refraction on its side over that on the side of the path.
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
     path: &PathState,
     sampler: &mut Sampler,
     weight: impl FnOnce(LightId, &Illumination) -> f32,
-) -> Spectrum {
+) -> (Spectrum, f32) {
+    const NOTHING: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
     if !point.bsdf.lobes().meets(Lobes::SMOOTH) {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
     let Some((light, illumination)) = scene.illuminate(point.surface.position, sampler) else {
-        return Spectrum::ZERO;
+        return NOTHING;
     };
     let value = point.eval_radiance(illumination.to_light);
     if value.is_zero() {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
     let factor = |visibility: f32| point.cos(illumination.to_light) * weight(light, &illumination) * visibility;
+    let distance =
+        || scene.distance_of(point.surface.position, &illumination) * point.ior_toward(illumination.to_light);
     if scene.has_media() {
         let passage = scene.passage_to(point, &path.inside, &illumination, sampler);
-        return if passage.is_zero() { passage } else { value * illumination.irradiance * passage * factor(1.0) };
+        if passage.is_zero() {
+            return NOTHING;
+        }
+        return (value * illumination.irradiance * passage * factor(1.0), distance());
     }
     let visibility = scene.visibility(&point.surface, &illumination);
     if visibility <= 0.0 {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
-    value * illumination.irradiance * factor(visibility)
+    (value * illumination.irradiance * factor(visibility), distance())
 }
 
 /// [`direct_light`] at a point in a medium.
@@ -45,14 +52,16 @@ pub fn direct_light_in_medium(
     path: &PathState,
     sampler: &mut Sampler,
     weight: impl FnOnce(&Illumination) -> f32,
-) -> Spectrum {
-    let Some((_, illumination)) = scene.illuminate(point.position, sampler) else { return Spectrum::ZERO };
+) -> (Spectrum, f32) {
+    const NOTHING: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
+    let Some((_, illumination)) = scene.illuminate(point.position, sampler) else { return NOTHING };
     let passage = scene.passage(point.position, path.inside, &illumination, sampler);
     if passage.is_zero() {
-        return passage;
+        return NOTHING;
     }
     let value = point.albedo * point.value(illumination.to_light);
-    value * illumination.irradiance * passage * weight(&illumination)
+    let light = value * illumination.irradiance * passage * weight(&illumination);
+    (light, scene.distance_of(point.position, &illumination))
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

@@ -1,4 +1,4 @@
-//! What a walk does between surfaces (theory §8.1).
+//! What a walk does between surfaces (theory §9.1).
 
 use glam::Vec3;
 

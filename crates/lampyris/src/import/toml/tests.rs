@@ -174,7 +174,7 @@ fn a_missing_type_lists_the_types() {
 #[test]
 fn a_material_without_type_is_a_fault_of_the_material() {
     let error = read_str(Path::new("s.toml"), "materials.red = { reflectance = 1 }").expect_err("no type");
-    assert!(error.to_string().starts_with("s.toml:1:17: a material without 'type'; the types are diffuse, mirror"));
+    assert!(error.to_string().starts_with("s.toml:1:17: a material without 'type'; the types are none, diffuse"));
 }
 
 #[test]

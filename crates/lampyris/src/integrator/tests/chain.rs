@@ -300,6 +300,7 @@ impl Chain {
             direct: false,
             max_bounces,
             path: 0,
+            parallel: false,
             instead: Some(instead),
         };
         let source = match self.lamp {
@@ -342,9 +343,8 @@ impl Chain {
                 // The last light is that of photons, of which there are none.
                 let added = self.look(scene, &map(Vec::new()), last - 1)?;
                 let direct = |point: &SurfacePoint| {
-                    direct_light(scene, point, &self.state(last - 2, last - 1, 0), &mut self.sampler.clone(), |_, _| {
-                        1.0
-                    })
+                    let (path, mut sampler) = (self.state(last - 2, last - 1, 0), self.sampler.clone());
+                    direct_light(scene, point, &path, &mut sampler, |_, _| 1.0).0
                 };
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
                 (added[added.len() - 2], all)
@@ -389,13 +389,17 @@ impl Chain {
 }
 
 /// All light that is added, in its order.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Noted(Vec<Spectrum>);
 
 impl Sink for Noted {
     const LAYERED: bool = false;
 
-    fn add(&mut self, light: Spectrum, _: u32) {
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
         self.0.push(light);
     }
 
