@@ -5,7 +5,7 @@ use super::Folder;
 /// A file of one pixel for each of `light`'s columns, with its bins of a tenth of a scene unit.
 fn folder_with(light: &[&[f32]]) -> Folder {
     let folder = Folder::with_scene("");
-    folder.write("light.npy", &array(light));
+    folder.write("light.npy", array(light));
     folder.write("light.json", br#"{"start_opl": 2, "bin_width_opl": 0.1}"#);
     folder
 }
@@ -171,7 +171,7 @@ fn mp4_is_written_by_ffmpeg_where_it_is() {
 #[test]
 fn what_cannot_be_done_is_a_sentence() {
     let folder = folder_with(LIGHT);
-    folder.write("bare.npy", &array(LIGHT));
+    folder.write("bare.npy", array(LIGHT));
     folder.write("short.npy", &array(LIGHT)[..100]);
     folder.write("broken.csv", b"0,1\n0,2\n");
     folder.write("words.csv", b"0,1\n1,x\n");
