@@ -41,6 +41,8 @@ fn photons() -> Vec<Photon> {
         direction: Vec3::NEG_Z,
         normal: Vec3::Z,
         optical_length: 0.0,
+        reach: 1.0,
+        ior: 1.0,
         flux: Spectrum::ONE,
         rivals: 0.0,
         path: 0,

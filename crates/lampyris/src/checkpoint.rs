@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 2` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 3` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers |
 //! | 8 | the length of the pilot |
@@ -142,7 +142,7 @@ fn said(value: &Value) -> String {
     }
 }
 
-const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 2\n";
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 3\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 const CHECKSUM: usize = 4;
@@ -259,9 +259,10 @@ fn part<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Exposure, Features};
+    use crate::film::{Arrival, Clock, Exposure, Features};
     use crate::image::Image;
     use crate::import::toml::read_str;
+    use crate::scene::description::{FilmDescription, TimeDescription};
     use crate::scene::{NoAssets, NotedAssets};
     use proptest::prelude::*;
 
@@ -271,16 +272,21 @@ mod tests {
         Identity::new(NotedAssets::new(&NoAssets).fingerprint(&description), &description)
     }
 
-    /// With weights, areas and layers.
+    /// With weights, areas, layers, and time bins with their variance.
     fn checkpoint(passes: &[u32]) -> Checkpoint {
-        let mut film = Film::with_layers([3, 2], Layers::ALL);
+        let time =
+            TimeDescription { bins: 5, start: Some(0.1), bin_width: Some(0.7), variance: true, ..Default::default() };
+        let clock = Clock::of(&FilmDescription { time: Some(time), ..Default::default() }).expect("a clock");
+        let mut film = Film::with_layers([3, 2], Layers::ALL).with_time(clock);
         let mut held = PassSet::new();
         for &pass in passes {
             let value = (pass as f32).sin().abs();
             let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
             let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
             let area = Some((pass, 1.0 / f64::from(pass + 1)));
-            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3, area });
+            let arrival = |pixel| Arrival { pixel, slot: (pass + pixel) % 7, light: [value, 0.1, 0.3] };
+            let arrivals = (0..6).filter(|pixel| (pass + pixel) % 3 > 0).map(arrival).collect();
+            film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3, area, arrivals });
             held.insert(pass);
         }
         Checkpoint {

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::checkpoint::{self, Checkpoint, Identity};
 use crate::error::{Error, Result};
-use crate::film::{Exposure, Film, Layers, PassSet};
-use crate::integrator::{Integrator, Observer, Pass, integrator, resumed};
+use crate::film::{Clock, Exposure, Film, Layers, PassSet};
+use crate::integrator::{Integrator, Observer, Pass, integrator, resumed, timed};
 use crate::scene::description::{AutoSettings, FilmDescription, IntegratorDescription, PathSettings};
 use crate::scene::{Scene, SceneDescription};
 
@@ -34,8 +34,12 @@ impl<'s> Render<'s> {
         observer: &dyn Observer,
     ) -> Render<'s> {
         let (settings, seed) = (description.film.clone(), description.render.seed);
+        let settings = timed(scene, settings, &description.integrator, seed, observer);
         let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
-        let film = Film::with_layers(settings.size, layers);
+        let mut film = Film::with_layers(settings.size, layers);
+        if let Some(clock) = Clock::of(&settings) {
+            film = film.with_time(clock);
+        }
         Render { scene, film, settings, integrator, seed, passes: PassSet::new() }
     }
 
@@ -45,11 +49,16 @@ impl<'s> Render<'s> {
     /// # Errors
     /// If the checkpoint's pilot is not one of this integrator, or its film has another size.
     pub fn resume(scene: &'s Scene, description: &SceneDescription, checkpoint: Checkpoint) -> Result<Render<'s>> {
-        let (settings, seed) = (description.film.clone(), description.render.seed);
+        let (mut settings, seed) = (description.film.clone(), description.render.seed);
         let integrator = resumed(scene, &description.integrator, checkpoint.pilot())?;
         let (film, passes) = checkpoint.into_film();
         if film.size() != settings.size.map(|side| side as usize) {
             return Err(Error::new("the film has another size than it should"));
+        }
+        match (&mut settings.time, film.clock()) {
+            (Some(time), Some(clock)) => time.fix(clock.start(), clock.bin_width()),
+            (None, None) => {}
+            _ => return Err(Error::new("the film has other time bins than it should")),
         }
         Ok(Render { scene, film, settings, integrator, seed, passes })
     }

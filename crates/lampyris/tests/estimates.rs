@@ -20,6 +20,8 @@ fn photon(position: Vec3) -> Photon {
         direction: Vec3::NEG_Y,
         normal: Vec3::Y,
         optical_length: 0.0,
+        reach: 1.0,
+        ior: 1.0,
         flux: Spectrum::ONE,
         bounce: 0,
         rivals: 0.0,

@@ -63,6 +63,30 @@ impl ExactSums {
         self.each(|index, mut sum| sum.add(value(index)));
     }
 
+    /// Adds to some of the sums. They are groups of so many, one after the other; each item has values for the group of
+    /// its number, and the items come in the order of these.
+    pub(super) fn add_some<T: Sync>(
+        &mut self,
+        group: usize,
+        items: &[T],
+        number: impl Fn(&T) -> usize + Sync,
+        value: impl Fn(&T, usize) -> f64 + Sync,
+    ) {
+        let chunk = group * CHUNK;
+        let add = |(number_of_chunk, ((high, low), top)): (usize, ((&mut [i64], &mut [i64]), &mut [u8]))| {
+            let first = number_of_chunk * CHUNK;
+            let from = items.partition_point(|item| number(item) < first);
+            for item in items[from..].iter().take_while(|item| number(item) < first + CHUNK) {
+                for index in 0..group {
+                    let at = group * (number(item) - first) + index;
+                    Sum { high: &mut high[at], low: &mut low[at], top: &mut top[at] }.add(value(item, index));
+                }
+            }
+        };
+        let chunks = self.high.par_chunks_mut(chunk).zip(self.low.par_chunks_mut(chunk));
+        chunks.zip(self.top.par_chunks_mut(chunk)).enumerate().for_each(add);
+    }
+
     /// Adds what was added to others: the same as adding it here.
     ///
     /// # Panics
@@ -276,6 +300,19 @@ mod tests {
                 let _ = (sums.value(0), sums.value(1));
             }
         }
+    }
+
+    #[test]
+    fn some_sums_are_added_to_as_all_are() {
+        let count = 5 * CHUNK;
+        let value = |index: usize| if index % 6 < 2 { 0.1 * index as f64 } else { 0.0 };
+        let items: Vec<usize> = (0..count).filter(|index| index % 6 == 0).map(|index| index / 2).collect();
+        let (mut all, mut some) = (ExactSums::new(count), ExactSums::new(count));
+        for _ in 0..2 {
+            all.add_each(value);
+            some.add_some(2, &items, |&item| item, |&item, index| value(2 * item + index));
+        }
+        assert_eq!(all, some);
     }
 
     #[test]

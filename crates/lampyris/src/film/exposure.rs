@@ -1,5 +1,7 @@
 //! What a pass brings to the film.
 
+use rayon::prelude::*;
+
 use crate::image::Image;
 
 /// A pass: its picture, and the features of its pixels if layers were asked for and the pass has them.
@@ -17,11 +19,25 @@ pub struct Exposure {
     /// The number of the pass, and the area over which it gathers photons, that of pass 0 being 1; none where it does not
     /// shrink from pass to pass. By it the [bias](super::Film::bias) is told.
     pub area: Option<(u32, f64)>,
+    /// The light of the picture once more, by the time at which it arrived, where the film has time: in the order of pixels
+    /// and slots, each pair once.
+    pub arrivals: Vec<Arrival>,
+}
+
+/// Light that arrives at a pixel within one time bin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// The number of the pixel, row by row.
+    pub pixel: u32,
+    /// Its [slot](super::Clock::slot) in time.
+    pub slot: u32,
+    /// Linear radiance in RGB, as in [`Exposure::image`].
+    pub light: [f32; 3],
 }
 
 impl From<Image> for Exposure {
     fn from(image: Image) -> Exposure {
-        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0, area: None }
+        Exposure { image, features: Vec::new(), weights: Vec::new(), samples: 0, area: None, arrivals: Vec::new() }
     }
 }
 
@@ -36,6 +52,19 @@ impl Exposure {
             Kind::Caustic => add(&mut features.caustic),
             Kind::Other => {}
         }
+    }
+
+    /// Adds arrivals in any order, whose order among those of the same pixel and slot decides about the last bit.
+    pub fn add_arrivals(&mut self, arrivals: impl IntoIterator<Item = Arrival>) {
+        self.arrivals.extend(arrivals);
+        self.arrivals.par_sort_by_key(|arrival| (arrival.pixel, arrival.slot));
+        self.arrivals.dedup_by(|next, sum| {
+            let is_same = (next.pixel, next.slot) == (sum.pixel, sum.slot);
+            if is_same {
+                sum.light = [0, 1, 2].map(|channel| sum.light[channel] + next.light[channel]);
+            }
+            is_same
+        });
     }
 }
 

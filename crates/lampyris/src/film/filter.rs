@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn light_is_shared_out_among_pixels_and_none_is_lost() {
         for filter in FILTERS {
-            let film = FilmDescription { size: [12, 12], filter };
+            let film = FilmDescription { size: [12, 12], filter, time: None };
             // Over all places in a pixel in the middle: every pixel gets its integral, and together they get 1.
             let (n, mut sum) = (64, 0.0);
             for (x, y) in (0..n * n).map(|i| ((i % n) as f32 + 0.5, (i / n) as f32 + 0.5)) {
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn light_outside_reaches_pixels_at_the_edge_alone() {
-        let film = |filter| FilmDescription { size: [3, 2], filter };
+        let film = |filter| FilmDescription { size: [3, 2], filter, time: None };
         let pixels = |filter, x, y| film(filter).pixels_at(Vec2::new(x, y)).map(|(pixel, _)| pixel).collect::<Vec<_>>();
         let (tent, pixel) = (Filter::Tent { radius: 1.0 }, Filter::Box { radius: 0.5 });
         assert_eq!(pixels(tent, -0.3, 0.6), [0, 3]);

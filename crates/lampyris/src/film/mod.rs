@@ -1,6 +1,8 @@
 //! The picture as it grows, pass by pass.
 
 mod bias;
+mod bins;
+mod clock;
 mod exact;
 mod exposure;
 mod filter;
@@ -8,19 +10,24 @@ mod layers;
 mod passes;
 mod sinks;
 mod spread;
+mod timed;
 
 pub use bias::Bias;
-pub use exposure::{Exposure, Features, Kind};
+pub use clock::Clock;
+pub use exposure::{Arrival, Exposure, Features, Kind};
 pub use layers::{Layer, Layers};
 pub use passes::PassSet;
 pub use sinks::{Layered, Plain, Sink};
+pub use timed::Timed;
 
 pub(crate) use spread::{Band, Sums};
+pub(crate) use timed::Way;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use bias::BiasSums;
+use bins::BinSums;
 use exact::ExactSums;
 use layers::LayerSums;
 
@@ -30,8 +37,8 @@ use crate::image::{Image, luminance};
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
 ///
-/// It takes 68 bytes a pixel, 5 more where bias is told, 51 more with a filter that spreads samples, and up to 340 more with
-/// all layers.
+/// It takes 68 bytes a pixel, 5 more where bias is told, 51 more with a filter that spreads samples, up to 340 more with
+/// all layers, and 51 more for each time bin, or 68 with its variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -48,6 +55,7 @@ pub struct Film {
     /// From the first pass on, if its area is known.
     bias: Option<BiasSums>,
     layers: LayerSums,
+    bins: Option<BinSums>,
 }
 
 /// What sums a film has.
@@ -61,6 +69,7 @@ pub(crate) struct FilmShape {
     layers: Vec<String>,
     /// Whether any pass told of the layers.
     has_features: bool,
+    time: Option<Clock>,
 }
 
 /// What the passes weigh, by pixel.
@@ -95,7 +104,15 @@ impl Film {
             weights: None,
             bias: None,
             layers: LayerSums::new(layers, pixels),
+            bins: None,
         }
+    }
+
+    /// The same with these time bins, before the first pass.
+    #[must_use]
+    pub fn with_time(self, clock: Clock) -> Film {
+        let bins = BinSums::new(clock, self.width * self.height);
+        Film { bins: Some(bins), ..self }
     }
 
     /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights and areas count is for the
@@ -104,7 +121,7 @@ impl Film {
     /// # Panics
     /// If the picture has another size, or if there were [`Film::MOST_PASSES`] already.
     pub fn add_pass(&mut self, pass: &Exposure) {
-        let Exposure { image, features, weights, samples, area } = pass;
+        let Exposure { image, features, weights, samples, area, arrivals } = pass;
         let pixels = self.width * self.height;
         assert_eq!((image.width(), image.height()), (self.width, self.height), "a pass must have the film's size");
         assert!(self.passes < Film::MOST_PASSES, "a film holds no more than {} passes", Film::MOST_PASSES);
@@ -127,6 +144,9 @@ impl Film {
             sums.add(index, area, image.pixels());
         }
         self.layers.add(features);
+        if let Some(bins) = &mut self.bins {
+            bins.add(arrivals);
+        }
         self.passes += 1;
         self.samples = self.samples.saturating_add(u64::from(*samples));
     }
@@ -145,6 +165,9 @@ impl Film {
         }
         if self.layers() != other.layers() {
             return Err(Error::new("films of different layers cannot be merged"));
+        }
+        if self.clock() != other.clock() {
+            return Err(Error::new("films of different time bins cannot be merged"));
         }
         if other.passes == 0 {
             return Ok(());
@@ -172,6 +195,9 @@ impl Film {
         self.sums.merge(&other.sums);
         self.squares.merge(&other.squares);
         self.layers.merge(&other.layers);
+        if let (Some(own), Some(other)) = (&mut self.bins, &other.bins) {
+            own.merge(other);
+        }
         self.passes = passes;
         self.samples = self.samples.saturating_add(other.samples);
         Ok(())
@@ -187,6 +213,7 @@ impl Film {
             has_bias: self.bias.is_some(),
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
+            time: self.clock().copied(),
         }
     }
 
@@ -195,7 +222,8 @@ impl Film {
         let weights = self.weights.iter().flat_map(|weights| [&weights.sums, &weights.squares, &weights.products]);
         let sums = [&self.sums, &self.squares].into_iter().chain(weights);
         let bias = self.bias.iter().flat_map(BiasSums::sums);
-        sums.chain(bias).chain(self.layers.sums()).for_each(|sums| sums.write(bytes));
+        let bins = self.bins.iter().flat_map(BinSums::sums);
+        sums.chain(bias).chain(self.layers.sums()).chain(bins).for_each(|sums| sums.write(bytes));
     }
 
     /// A film of this shape, with all of its sums from `bytes`; none unless these are as many and can be such.
@@ -216,8 +244,13 @@ impl Film {
             true => Some(BiasSums::read([width, height], &mut read)?),
             false => None,
         };
-        let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, read)?;
-        Some(Film { width, height, passes: shape.passes, samples: shape.samples, sums, squares, weights, bias, layers })
+        let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, &mut read)?;
+        let bins = match shape.time {
+            Some(clock) => Some(BinSums::read(clock, pixels, &mut read)?),
+            None => None,
+        };
+        let FilmShape { passes, samples, .. } = *shape;
+        Some(Film { width, height, passes, samples, sums, squares, weights, bias, layers, bins })
     }
 
     /// Width and height in pixels.
@@ -228,6 +261,53 @@ impl Film {
     /// The layers that are kept beside the picture.
     pub fn layers(&self) -> Layers {
         self.layers.layers()
+    }
+
+    /// The time bins that are kept beside the picture, if there are any.
+    pub fn clock(&self) -> Option<&Clock> {
+        self.bins.as_ref().map(BinSums::clock)
+    }
+
+    /// The mean over the passes of what arrived at a pixel, counted row by row, within each time bin: linear radiance, of
+    /// which the picture is the sum over all time. Empty without time.
+    pub fn bins(&self, pixel: usize) -> Vec<[f32; 3]> {
+        let Some(bins) = &self.bins else { return Vec::new() };
+        let weight = self.weight(pixel);
+        (1..=bins.clock().bins()).map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+    }
+
+    /// The mean over the passes of what arrived at a pixel before the first time bin, and after the last. None without
+    /// time.
+    pub fn outside_bins(&self, pixel: usize) -> Option<[[f32; 3]; 2]> {
+        let (bins, weight) = (self.bins.as_ref()?, self.weight(pixel));
+        Some([0, bins.clock().bins() + 1].map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)))
+    }
+
+    /// The variance of the luminance of [`Film::bins`], as the differences between passes tell it; what the weights of the
+    /// passes do to it is left out, so that it may be too large where samples are spread. None before the second pass, or
+    /// where it is not kept.
+    pub fn variance_of_bins(&self, pixel: usize) -> Option<Vec<f32>> {
+        let (bins, weight, n) = (self.bins.as_ref()?, self.weight(pixel), f64::from(self.passes));
+        if self.passes < 2 {
+            return None;
+        }
+        let variance = |slot: usize| {
+            let sum = luminance_of(bins.sum(pixel, slot).map(|sum| sum as f32));
+            let squares = (bins.square(pixel, slot)? - sum * sum / n).max(0.0);
+            Some((squares * n / (weight * weight * (n - 1.0))) as f32)
+        };
+        (1..=bins.clock().bins()).map(variance).collect()
+    }
+
+    /// The shares of all light that arrived before the first time bin, and after the last. None without time or light.
+    pub fn share_outside_bins(&self) -> Option<[f64; 2]> {
+        let mut sums = [0.0; 2];
+        for pixel in 0..self.width * self.height {
+            let outside = self.outside_bins(pixel)?;
+            sums.iter_mut().zip(outside).for_each(|(sum, light)| *sum += luminance_of(light));
+        }
+        let all = self.means().0 * (self.width * self.height) as f64;
+        (all > 0.0).then(|| sums.map(|sum| sum / all))
     }
 
     /// The mean of a layer over the passes, if it is kept and the passes told of it (pictures of the photon map itself
@@ -345,7 +425,11 @@ impl FilmShape {
         let of_pixels = pixels.checked_mul(each * ExactSums::BYTES)?;
         // There are fewer blocks than pixels.
         let of_bias = if self.has_bias { BiasSums::count(self.size).checked_mul(ExactSums::BYTES)? } else { 0 };
-        of_pixels.checked_add(of_bias)
+        let of_bins = match &self.time {
+            Some(clock) => BinSums::count(clock, pixels)?.checked_mul(ExactSums::BYTES)?,
+            None => 0,
+        };
+        of_pixels.checked_add(of_bias)?.checked_add(of_bins)
     }
 }
 

@@ -1,4 +1,5 @@
-//! What a path adds to its pixel: light, and for the layers what the light was and what the path has met.
+//! What a path adds to its pixel: light, for the layers what the light was and what the path has met, and for bins in time
+//! when the light arrived.
 
 use glam::Vec3;
 
@@ -9,17 +10,32 @@ use crate::spectrum::{Basis, Spectrum};
 use crate::transport::PathState;
 
 /// Where the samples of a pixel leave the light that they find. Whatever else it notes, the radiance is the same to the
-/// last bit.
-pub trait Sink: Default + Send {
+/// last bit. A sink without light is the model of all others: they are made as its clones.
+pub trait Sink: Clone + Send + Sync {
     /// Whether it has features to tell.
     const LAYERED: bool;
+
+    /// Whether it asks when light arrives.
+    const TIMED: bool = false;
+
+    /// Makes room for another sample: forgets all light.
+    fn clear(&mut self);
 
     /// The path of a sample has reached a surface; it is told of all, in their order.
     fn surface(&mut self, _point: &SurfacePoint, _path: &PathState) {}
 
     /// Adds radiance of light that has been scattered so many times, or more often where that is not known to be less
-    /// than two.
-    fn add(&mut self, light: Spectrum, events: u32);
+    /// than two, on a path of this optical length, in scene units.
+    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64);
+
+    /// Notes light, in a unit of its own, on a path of this optical length, for [`Sink::add_noted`]. Only for those that are
+    /// [`Sink::TIMED`].
+    fn note(&mut self, _light: Spectrum, _optical_length: f64) {}
+
+    /// [`Sink::add`] of all light that was noted, which is this in sum; `unit` is that in which it was noted.
+    fn add_noted(&mut self, light: Spectrum, events: u32, _unit: Spectrum) {
+        self.add(light, events, 0.0);
+    }
 
     /// Of what was added as light of two events or more, this part had only one.
     fn was_direct(&mut self, _light: Spectrum) {}
@@ -37,6 +53,12 @@ pub trait Sink: Default + Send {
     fn features(&self, _samples: u32, _basis: &Basis) -> Option<Features> {
         None
     }
+
+    /// When what was added arrived: the [slots](super::Clock::slot) that have light, in their order, in the lanes of the
+    /// pass.
+    fn settle(&mut self) -> &[(u32, Spectrum)] {
+        &[]
+    }
 }
 
 /// Radiance and nothing else.
@@ -47,7 +69,12 @@ impl Sink for Plain {
     const LAYERED: bool = false;
 
     #[inline]
-    fn add(&mut self, light: Spectrum, _: u32) {
+    fn clear(&mut self) {
+        *self = Plain::default();
+    }
+
+    #[inline]
+    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
         self.0 += light;
     }
 
@@ -82,6 +109,10 @@ pub struct Layered {
 impl Sink for Layered {
     const LAYERED: bool = true;
 
+    fn clear(&mut self) {
+        *self = Layered::default();
+    }
+
     fn surface(&mut self, point: &SurfacePoint, path: &PathState) {
         if self.met > 0.0 {
             return;
@@ -104,7 +135,7 @@ impl Sink for Layered {
         self.met += 1.0;
     }
 
-    fn add(&mut self, light: Spectrum, events: u32) {
+    fn add(&mut self, light: Spectrum, events: u32, _: f64) {
         self.radiance += light;
         match events {
             0 => self.emission += light,

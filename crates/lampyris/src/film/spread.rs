@@ -3,7 +3,7 @@
 
 use glam::Vec2;
 
-use super::{Exposure, Sink};
+use super::{Arrival, Exposure, Sink};
 use crate::image::Image;
 use crate::scene::description::FilterDescription;
 use crate::spectrum::Basis;
@@ -17,10 +17,9 @@ pub(crate) struct Band<S> {
 }
 
 impl<S: Sink> Band<S> {
-    pub(crate) fn new(width: usize, reach: usize) -> Band<S> {
-        let mut pixels = Vec::new();
-        pixels.resize_with(width * (2 * reach + 1), || (S::default(), 0.0));
-        Band { width, reach, pixels }
+    /// Of such sinks.
+    pub(crate) fn new(width: usize, reach: usize, empty: &S) -> Band<S> {
+        Band { width, reach, pixels: vec![(empty.clone(), 0.0); width * (2 * reach + 1)] }
     }
 
     /// Spreads a sample of the pixel in column `x` at this place from its centre. Columns are counted from the leftmost
@@ -65,10 +64,9 @@ pub(crate) struct Sums<S> {
 }
 
 impl<S: Sink> Sums<S> {
-    pub(crate) fn new(width: usize, height: usize, reach: usize) -> Sums<S> {
-        let mut pixels = Vec::new();
-        pixels.resize_with(width * height, || (S::default(), 0.0));
-        Sums { width, height, reach, pixels }
+    /// Of such sinks.
+    pub(crate) fn new(width: usize, height: usize, reach: usize, empty: &S) -> Sums<S> {
+        Sums { width, height, reach, pixels: vec![(empty.clone(), 0.0); width * height] }
     }
 
     /// Adds the band around row `y`, counted from the uppermost one that reaches the picture; in the order of the rows.
@@ -96,6 +94,11 @@ impl<S: Sink> Sums<S> {
             self.pixels.iter().map(|(_, weight)| weight / n * white).collect()
         };
         let features = self.pixels.iter().filter_map(|(sum, _)| sum.features(samples, basis)).collect();
-        Exposure { image, features, weights, samples, area: None }
+        let mut arrivals = Vec::new();
+        for (pixel, (mut sum, _)) in (0..).zip(self.pixels) {
+            let settled = sum.settle().iter();
+            arrivals.extend(settled.map(|&(slot, light)| Arrival { pixel, slot, light: basis.to_rgb(light / n) }));
+        }
+        Exposure { image, features, weights, samples, area: None, arrivals }
     }
 }

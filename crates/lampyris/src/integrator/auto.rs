@@ -16,7 +16,7 @@ use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
 use crate::light::Guide;
 use crate::material::Lobes;
 use crate::photon::{Instead, Nearest, PhotonMap, Radius, shrunk};
@@ -105,14 +105,21 @@ impl Auto {
         self.pilot.merging(shrunk::<2>(pass.index, self.settings.alpha))
     }
 
-    fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+    fn look<S: Sink>(
+        &self,
+        empty: S,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        observer: &dyn Observer,
+    ) -> Exposure {
         let scene = &*guided(scene, &self.guide);
         let merging = self.merging(pass);
         let map = photon_map(scene, &merging, self.settings.max_bounces, pass, observer);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
+        camera_pass(scene, film, pass, samples, observer, Nearest::default, empty, |path, sampler, found, sink| {
             let merge = Merge::new(&map, merging, found);
             let mut look = Look::new(scene, limits.max_bounces, sink, Some(merge));
             walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
@@ -291,9 +298,10 @@ impl Integrator for Auto {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure {
-        match layers.is_empty() {
-            true => self.look::<Plain>(scene, film, pass, observer),
-            false => self.look::<Layered>(scene, film, pass, observer),
+        match (Clock::of(film), layers.is_empty()) {
+            (None, true) => self.look(Plain::default(), scene, film, pass, observer),
+            (None, false) => self.look(Layered::default(), scene, film, pass, observer),
+            (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, observer),
         }
     }
 

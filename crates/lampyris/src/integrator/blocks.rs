@@ -15,8 +15,9 @@ use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
 /// Walks from the camera: calls `sample` for every sample of every pixel, with its path at the start, the working space of
-/// its row that `new` makes, and a sink, and takes the mean by the film's filter. `sample` returns the number of rays that
-/// it traced.
+/// its row that `new` makes, and a sink like `empty`, and takes the mean by the film's filter. `sample` returns the number of
+/// rays that it traced.
+#[allow(clippy::too_many_arguments, reason = "each is another part of what a pass is")]
 pub(super) fn camera_pass<W, S: Sink>(
     scene: &Scene,
     film: &FilmDescription,
@@ -24,6 +25,7 @@ pub(super) fn camera_pass<W, S: Sink>(
     samples: u32,
     observer: &dyn Observer,
     new: impl Fn() -> W + Sync,
+    empty: S,
     sample: impl Fn(PathState, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
 ) -> Exposure {
     let [width, height] = film.size.map(|side| side as usize);
@@ -31,7 +33,7 @@ pub(super) fn camera_pass<W, S: Sink>(
     let reach = if film.filter.spreads() { film.filter.reach() as usize } else { 0 };
     let row = |y: usize| {
         let (mut working, mut rays) = (new(), 0);
-        let mut band = Band::<S>::new(width, reach);
+        let (mut band, mut sink) = (Band::new(width, reach, &empty), empty.clone());
         for x in 0..width + 2 * reach {
             let family = (y * (width + 2 * reach) + x) as u64;
             let first = u64::from(pass.index) * u64::from(samples);
@@ -41,7 +43,7 @@ pub(super) fn camera_pass<W, S: Sink>(
                 let place = film.filter.place(sampler.square());
                 let (ray, response) = scene.view(corner + 0.5 + place, &mut sampler);
                 let path = PathState { cone: scene.cone(), ..PathState::new(ray, Spectrum::grey(response)) };
-                let mut sink = S::default();
+                sink.clear();
                 rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
                 band.add(x, place, &film.filter, &sink);
             }
@@ -52,7 +54,7 @@ pub(super) fn camera_pass<W, S: Sink>(
         observer.work(&Work { rays, share: 1.0 / (height + 2 * reach) as f64, ..Work::default() });
         band
     };
-    let mut sums = Sums::<S>::new(width, height, reach);
+    let mut sums = Sums::new(width, height, reach, &empty);
     let rows = height + 2 * reach;
     let at_once = (ROWS_AT_ONCE / (2 * reach + 1)).max(rayon::current_num_threads());
     for first in (0..rows).step_by(at_once) {

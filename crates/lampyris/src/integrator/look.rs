@@ -102,20 +102,22 @@ impl<'a> Merge<'a> {
     }
 
     /// Radiance back along the path of the light of photons that have been scattered at most so often; the second set has
-    /// that of those among them that came by mirrors and glass alone.
-    fn radiance<const SETS: usize>(
+    /// that of those among them that came by mirrors and glass alone. What each photon brings is noted in the sink; the unit
+    /// of that comes last.
+    fn radiance<const SETS: usize, S: Sink>(
         &mut self,
         point: &SurfacePoint,
         path: &PathState,
         max_bounces: u32,
-    ) -> [Spectrum; SETS] {
+        sink: &mut S,
+    ) -> ([Spectrum; SETS], Spectrum) {
         let most = if self.first { self.merging.first * path.cone.width } else { self.merging.further };
         // Not by the radius that is found: weights must not depend on the photons that they weigh.
         self.here = self.merging.density(most);
         if !self.here.is_normal() {
             // Beyond all reason in size: nothing can be found so near, or told apart so far away.
             self.here = 0.0;
-            return [Spectrum::ZERO; SETS];
+            return ([Spectrum::ZERO; SETS], Spectrum::ZERO);
         }
         let estimate = Estimate {
             map: self.map,
@@ -129,12 +131,12 @@ impl<'a> Merge<'a> {
             // The same as below, for the most frequent case.
             let nearer = 1.0 + squared(at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon));
             let farther = on * FRAC_1_PI * per_photon;
-            self.sum(&estimate, (point, path, radius), |photon| {
+            self.sum(&estimate, (point, path, radius), sink, |photon| {
                 let others = nearer + squared(farther * photon.rivals * point.cos(photon.direction));
                 sets(photon, counts(photon), others)
             })
         } else {
-            self.sum(&estimate, (point, path, radius), |photon| {
+            self.sum(&estimate, (point, path, radius), sink, |photon| {
                 let to_light = -photon.direction;
                 let nearer = if at > 0.0 { at * point.pdf_back(to_light, Lobes::ALL) } else { 0.0 };
                 let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
@@ -143,23 +145,34 @@ impl<'a> Merge<'a> {
         }
     }
 
-    /// The light of the photons that were found within a radius, in sets.
-    fn sum<const SETS: usize>(
+    /// The light of the photons that were found within a radius, in sets, and its unit in the sink.
+    fn sum<const SETS: usize, S: Sink>(
         &mut self,
         estimate: &Estimate,
         (point, path, radius): (&SurfacePoint, &PathState, f32),
+        sink: &mut S,
         sets: impl Fn(&Photon) -> [f32; SETS],
-    ) -> [Spectrum; SETS] {
-        let Some(tally) = &mut self.tally else { return estimate.weighted(point, radius, self.found, sets) };
-        let mut sums = [Spectrum::ZERO; SETS];
+    ) -> ([Spectrum; SETS], Spectrum) {
+        let Some(tally) = &mut self.tally else {
+            return estimate
+                .weighted(point, radius, self.found, sets, |photon, light| note(sink, photon, light, point, path));
+        };
         let mut light_of = Vec::new();
-        let unit = estimate.each(point, radius, self.found, sets, |photon, light, weights| {
-            light_of.push((photon.path, light * weights[0]));
-            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += light * weight);
+        let (sums, unit) = estimate.weighted(point, radius, self.found, sets, |photon, light| {
+            light_of.push((photon.path, light));
         });
         let seen = unit * path.throughput;
         tally.extend(light_of.into_iter().map(|(number, light)| (number, (light * seen).mean())));
-        sums.map(|sum| sum * unit)
+        (sums, unit)
+    }
+}
+
+/// Notes the light of a photon that is read at `point`, where `path` from the camera has come, by its time.
+#[inline]
+pub(super) fn note<S: Sink>(sink: &mut S, photon: &Photon, light: Spectrum, point: &SurfacePoint, path: &PathState) {
+    if S::TIMED {
+        let ior = path.ior * point.ior_toward(-photon.direction);
+        sink.note(light, path.optical_length + photon.optical_length_at(point.surface.position, ior));
     }
 }
 
@@ -191,8 +204,8 @@ impl<'a, S> Look<'a, S> {
 
 impl<S: Sink> Look<'_, S> {
     /// Adds light of a lamp that the path has reached.
-    fn add(&mut self, light: Spectrum, events: u32) {
-        self.sink.add(light, events);
+    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64) {
+        self.sink.add(light, events, optical_length);
         // From the lamp, mirrors and glass came first, and then one smooth surface.
         if S::LAYERED && self.last.is_none() && self.smooth_events == 1 {
             self.sink.was_caustic(light);
@@ -206,7 +219,7 @@ impl<S: Sink> Visitor for Look<'_, S> {
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
             let weight = self.met(|from| self.scene.emitted_pdf(from, point), || self.scene.emission_density(point));
-            self.add(path.throughput * emitted * weight, path.bounce);
+            self.add(path.throughput * emitted * weight, path.bounce, path.optical_length);
         }
         if path.bounce < self.max_bounces {
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
@@ -229,20 +242,21 @@ impl<S: Sink> Visitor for Look<'_, S> {
                     }
                 }
             };
-            let light = direct_light(self.scene, point, sampler, weight);
-            self.sink.add(path.throughput * light, path.bounce + 1);
+            let (light, distance) = direct_light(self.scene, point, sampler, weight);
+            let optical_length = path.optical_length + f64::from(path.ior * distance);
+            self.sink.add(path.throughput * light, path.bounce + 1, optical_length);
             if let Some(merge) = &mut self.merge
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
             {
                 // The event in which the photons are read is one of the path's, too.
                 let left = self.max_bounces - path.bounce - 1;
                 if S::LAYERED && self.smooth_events == 0 {
-                    let [light, caustic] = merge.radiance(point, path, left);
-                    self.sink.add(path.throughput * light, path.bounce + 2);
+                    let ([light, caustic], unit) = merge.radiance(point, path, left, self.sink);
+                    self.sink.add_noted(path.throughput * light, path.bounce + 2, path.throughput * unit);
                     self.sink.was_caustic(path.throughput * caustic);
                 } else {
-                    let [light] = merge.radiance(point, path, left);
-                    self.sink.add(path.throughput * light, path.bounce + 2);
+                    let ([light], unit) = merge.radiance(point, path, left, self.sink);
+                    self.sink.add_noted(path.throughput * light, path.bounce + 2, path.throughput * unit);
                 }
             }
         }
@@ -263,7 +277,8 @@ impl<S: Sink> Visitor for Look<'_, S> {
             .backgrounds(&path.ray)
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
-        self.add(path.throughput * radiance, path.bounce);
+        let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
+        self.add(path.throughput * radiance, path.bounce, path.optical_length + f64::from(path.ior * distance));
     }
 
     fn worth(&self) -> f32 {

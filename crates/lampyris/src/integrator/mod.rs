@@ -10,6 +10,7 @@ mod path;
 mod photon_map;
 mod photons;
 mod pilot;
+mod range;
 #[cfg(test)]
 mod tests;
 
@@ -17,6 +18,7 @@ pub use auto::Auto;
 pub use light::LightTracing;
 pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
+pub use range::timed;
 
 use crate::error::Result;
 use crate::film::{Exposure, Layers};

@@ -3,7 +3,7 @@
 use super::blocks::camera_pass;
 use super::look::Look;
 use super::{Integrator, Observer, Pass, Phase};
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, PathSettings};
 use crate::transport::{Limits, Origin, walk};
@@ -28,9 +28,10 @@ impl Integrator for PathTracing {
         observer: &dyn Observer,
     ) -> Exposure {
         observer.phase(Phase::Camera);
-        match layers.is_empty() {
-            true => self.look::<Plain>(scene, film, pass, observer),
-            false => self.look::<Layered>(scene, film, pass, observer),
+        match (Clock::of(film), layers.is_empty()) {
+            (None, true) => self.look(Plain::default(), scene, film, pass, observer),
+            (None, false) => self.look(Layered::default(), scene, film, pass, observer),
+            (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, observer),
         }
     }
 
@@ -40,7 +41,14 @@ impl Integrator for PathTracing {
 }
 
 impl PathTracing {
-    fn look<S: Sink>(&self, scene: &Scene, film: &FilmDescription, pass: &Pass, observer: &dyn Observer) -> Exposure {
+    fn look<S: Sink>(
+        &self,
+        empty: S,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        observer: &dyn Observer,
+    ) -> Exposure {
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let samples = self.settings.samples;
         camera_pass(
@@ -50,7 +58,8 @@ impl PathTracing {
             samples,
             observer,
             || (),
-            |path, sampler, (), sink: &mut S| {
+            empty,
+            |path, sampler, (), sink| {
                 let mut look = Look::new(scene, limits.max_bounces, sink, None);
                 walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
             },

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::blocks::camera_pass;
+use super::look::note;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layered, Layers, Plain, Sink};
+use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
@@ -65,6 +66,7 @@ impl PhotonMapping {
 
     fn look<S: Sink>(
         &self,
+        empty: S,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
@@ -77,7 +79,7 @@ impl PhotonMapping {
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let direct = self.settings.direct;
         let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, |path, sampler, found, sink: &mut S| {
+        camera_pass(scene, film, pass, samples, observer, Nearest::default, empty, |path, sampler, found, sink| {
             let mut gather = Gather { scene, estimate: &estimate, direct, max_bounces, found, sink };
             walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
         })
@@ -96,8 +98,11 @@ impl Integrator for PhotonMapping {
         let map = self.map(scene, pass, observer);
         observer.phase(Phase::Camera);
         match self.settings.show {
-            Show::Radiance if layers.is_empty() => self.look::<Plain>(scene, film, pass, &map, observer),
-            Show::Radiance => self.look::<Layered>(scene, film, pass, &map, observer),
+            Show::Radiance => match (Clock::of(film), layers.is_empty()) {
+                (None, true) => self.look(Plain::default(), scene, film, pass, &map, observer),
+                (None, false) => self.look(Layered::default(), scene, film, pass, &map, observer),
+                (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, &map, observer),
+            },
             Show::Photons => dots::draw(scene, film, &map, |_| true).into(),
             Show::Caustics => dots::draw(scene, film, &map, Photon::is_caustic).into(),
         }
@@ -152,11 +157,12 @@ struct Gather<'a, S> {
 impl<S: Sink> Visitor for Gather<'_, S> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         self.sink.surface(point, path);
-        self.sink.add(path.throughput * self.scene.emitted(point), path.bounce);
+        self.sink.add(path.throughput * self.scene.emitted(point), path.bounce, path.optical_length);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
-                let light = direct_light(self.scene, point, sampler, |_, _| 1.0);
-                self.sink.add(path.throughput * light, path.bounce + 1);
+                let (light, distance) = direct_light(self.scene, point, sampler, |_, _| 1.0);
+                let optical_length = path.optical_length + f64::from(path.ior * distance);
+                self.sink.add(path.throughput * light, path.bounce + 1, optical_length);
             }
             // The event in which the photons are read is one of the path's, too.
             let most = self.max_bounces - path.bounce - 1;
@@ -164,22 +170,26 @@ impl<S: Sink> Visitor for Gather<'_, S> {
                 // Photons straight from a lamp are direct light where they are read and the camera looks.
                 let looks = self.direct == Direct::Photons && path.bounce == 0;
                 let radius = self.estimate.find(point, self.found);
-                let [light, direct, caustic] = self.estimate.weighted(point, radius, self.found, |photon| {
+                let weights = |photon: &Photon| {
                     let counts = u32::from(photon.bounce) <= most;
                     [counts, looks && photon.bounce == 0, counts && photon.is_caustic()].map(f32::from)
-                });
-                self.sink.add(path.throughput * light, path.bounce + 2);
+                };
+                let tell = |photon: &Photon, light| note(self.sink, photon, light, point, path);
+                let ([light, direct, caustic], unit) = self.estimate.weighted(point, radius, self.found, weights, tell);
+                self.sink.add_noted(path.throughput * light, path.bounce + 2, path.throughput * unit);
                 self.sink.was_direct(path.throughput * direct);
                 self.sink.was_caustic(path.throughput * caustic);
             } else {
                 let light = self.estimate.radiance(point, most, self.found);
-                self.sink.add(path.throughput * light, path.bounce + 2);
+                self.sink.add(path.throughput * light, path.bounce + 2, path.optical_length);
             }
         }
         Lobes::DELTA
     }
 
     fn escaped(&mut self, path: &PathState) {
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.bounce);
+        let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
+        let optical_length = path.optical_length + f64::from(path.ior * distance);
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.bounce, optical_length);
     }
 }

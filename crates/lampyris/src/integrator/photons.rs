@@ -31,7 +31,7 @@ impl Photons {
         let Photons { paths, max_bounces, direct } = *self;
         // A block has some thousand paths and most paths a photon or two; growing would copy them.
         let photons = || Vec::with_capacity(2 * BLOCK as usize);
-        let new = || Deposit { photons: photons(), direct, max_bounces, path: 0, instead: instead() };
+        let new = || Deposit { photons: photons(), direct, max_bounces, path: 0, parallel: false, instead: instead() };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Map);
         let blocks: Vec<Vec<Photon>> = blocks.into_iter().map(|block| block.photons).collect();

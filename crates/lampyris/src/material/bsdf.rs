@@ -129,6 +129,17 @@ impl Model<'_> {
         }
     }
 
+    /// Index of refraction on the other side of the boundary that smooth lobes lead through, over that on the side of
+    /// `to_previous`.
+    fn ior_ratio(&self, to_previous: Vec3) -> f32 {
+        let ior = match self {
+            Model::RoughGlass(model) => model.ior,
+            Model::Principled(model) if model.transmits => model.eta,
+            _ => 1.0,
+        };
+        if to_previous.z > 0.0 { ior } else { 1.0 / ior }
+    }
+
     /// Whether smooth lobes lead through the surface.
     #[inline]
     pub fn transmits(&self) -> bool {
@@ -235,6 +246,16 @@ impl<'a> Bsdf<'a> {
     pub fn holes(&self) -> f32 {
         let holes = self.parts().iter().filter(|part| matches!(part.model, Model::Hole(_)));
         holes.map(|part| part.weight).sum()
+    }
+
+    /// Index of refraction on the side of a direction to which smooth lobes lead, over that on the side of `to_previous`.
+    #[inline]
+    pub fn ior_ratio(&self, to_previous: Vec3, to_next: Vec3) -> f32 {
+        if !self.transmits || to_previous.z * to_next.z > 0.0 {
+            return 1.0;
+        }
+        let ratios = self.parts().iter().map(|part| part.model.ior_ratio(part.turned(to_previous)));
+        ratios.into_iter().find(|&ratio| ratio != 1.0).unwrap_or(1.0)
     }
 
     /// The value of the smooth lobes in 1/sr, without a cosine, for flux that comes from `to_previous`; see

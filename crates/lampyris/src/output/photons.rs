@@ -159,6 +159,8 @@ mod tests {
             direction: Vec3::NEG_Y,
             normal: Vec3::Y,
             optical_length: 7.5,
+            reach: 1.0,
+            ior: 1.0,
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
             rivals: 0.0,

@@ -1,7 +1,7 @@
 //! The visitor that leaves photons.
 
 use super::Photon;
-use crate::light::{Emission, LightId};
+use crate::light::{Emission, LightId, Source};
 use crate::material::{Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
@@ -18,6 +18,8 @@ pub struct Deposit<'s> {
     pub max_bounces: u32,
     /// The number of the path.
     pub path: u32,
+    /// Whether its first segment is one of parallel light.
+    pub parallel: bool,
     /// Notes what else could have made the paths of the photons, for those who ask.
     pub instead: Option<Instead<'s>>,
 }
@@ -71,6 +73,7 @@ impl Deposit<'_> {
 impl Visitor for Deposit<'_> {
     fn emitted(&mut self, path: u64, light: LightId, emission: &Emission) {
         self.path = path as u32;
+        self.parallel = matches!(emission.source, Source::Parallel | Source::Far(_) | Source::Hidden);
         if let Some(instead) = &mut self.instead {
             instead.from = From::Light(light, *emission);
         }
@@ -90,6 +93,8 @@ impl Visitor for Deposit<'_> {
                 direction: path.ray.direction,
                 normal: if normal.dot(point.to_previous) < 0.0 { -normal } else { normal },
                 optical_length: path.optical_length as f32,
+                reach: if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance },
+                ior: path.ior,
                 flux: path.throughput,
                 rivals,
                 path: self.path,

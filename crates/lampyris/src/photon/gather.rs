@@ -40,8 +40,8 @@ impl Estimate<'_> {
     /// `max_bounces` scattering events: Σ f Φ K / paths [Jensen 2001, eq. 7.6, with a kernel].
     pub fn radiance(&self, point: &SurfacePoint, max_bounces: u32, found: &mut Nearest) -> Spectrum {
         let radius = self.find(point, found);
-        let [radiance] =
-            self.weighted(point, radius, found, |photon| [f32::from(u32::from(photon.bounce) <= max_bounces)]);
+        let weights = |photon: &Photon| [f32::from(u32::from(photon.bounce) <= max_bounces)];
+        let ([radiance], _) = self.weighted(point, radius, found, weights, |_, _| {});
         radiance
     }
 
@@ -51,27 +51,30 @@ impl Estimate<'_> {
         self.map.search(point.surface.position, self.radius, found)
     }
 
-    /// [`Estimate::radiance`] of what was found within a radius, for several weights of photons at once.
+    /// [`Estimate::radiance`] of what was found within a radius, for several weights of photons at once. Tells of each
+    /// photon that has a weight, with the light that it brings to the first of these; returns the unit of that light, too.
     pub fn weighted<const SETS: usize>(
         &self,
         point: &SurfacePoint,
         radius: f32,
         found: &mut Nearest,
         weights: impl Fn(&Photon) -> [f32; SETS],
-    ) -> [Spectrum; SETS] {
+        mut tell: impl FnMut(&Photon, Spectrum),
+    ) -> ([Spectrum; SETS], Spectrum) {
         let mut sums = [Spectrum::ZERO; SETS];
-        let unit = self.each(point, radius, found, weights, |_, light, weights| {
+        let unit = self.each(point, radius, found, weights, |photon, light, weights| {
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += light * weight;
             }
+            tell(photon, light * weights[0]);
         });
-        sums.map(|sum| sum * unit)
+        (sums.map(|sum| sum * unit), unit)
     }
 
     /// Tells of each photon within a radius that has a weight, with the light that it brings and its weights; returns the
     /// unit of that light.
     #[inline]
-    pub fn each<const SETS: usize>(
+    fn each<const SETS: usize>(
         &self,
         point: &SurfacePoint,
         radius: f32,
@@ -122,6 +125,8 @@ mod tests {
             direction: -normal,
             normal,
             optical_length: 0.0,
+            reach: 1.0,
+            ior: 1.0,
             flux: Spectrum::ONE,
             bounce: 0,
             history: Lobes::NONE,

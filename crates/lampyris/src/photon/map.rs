@@ -176,6 +176,8 @@ mod tests {
                 direction: Vec3::NEG_Z,
                 normal: Vec3::Z,
                 optical_length: index as f32,
+                reach: 1.0,
+                ior: 1.0,
                 flux: Spectrum::ONE,
                 bounce: 0,
                 rivals: 0.0,

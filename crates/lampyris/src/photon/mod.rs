@@ -24,7 +24,7 @@ use crate::transport::PathState;
 
 /// Where flux arrived on a surface with a smooth lobe.
 ///
-/// It fills a line of the processor's cache, and does not lie across two.
+/// It fills two lines of the processor's cache, and does not lie across three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Photon {
@@ -36,6 +36,10 @@ pub struct Photon {
     pub normal: Vec3,
     /// Optical length of its path since the lamp, in scene units.
     pub optical_length: f32,
+    /// Length of the last segment of its path, in scene units; infinite where its light came in parallel.
+    pub reach: f32,
+    /// Index of refraction of where it was, over that of where its path began.
+    pub ior: f32,
     /// Flux in W, as if its path were the only one of its pass.
     pub flux: Spectrum,
     /// What else could have made its path: see [`Rivals::at`](crate::transport::Rivals::at); 0 where nobody asks.
@@ -49,6 +53,20 @@ pub struct Photon {
 }
 
 impl Photon {
+    /// Optical length of its path if that ended at a point near it, where the index of refraction is this: as a spherical
+    /// wave from where the path turned last, or as a plane wave. So a kernel's radius does not blur time to first order
+    /// (theory §8), and nothing comes before the shortest path. In scene units.
+    #[inline]
+    pub fn optical_length_at(&self, at: Vec3, ior: f32) -> f64 {
+        let offset = at - self.position;
+        let further = if self.reach.is_finite() {
+            (offset + self.direction * self.reach).length() - self.reach
+        } else {
+            offset.dot(self.direction)
+        };
+        f64::from(ior) * (f64::from(self.optical_length / self.ior) + f64::from(further))
+    }
+
     /// Whether it came from the lamp by mirrors and glass alone, and by at least one of them.
     pub fn is_caustic(&self) -> bool {
         PathState::is_caustic_history(self.history)

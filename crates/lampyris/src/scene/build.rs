@@ -82,6 +82,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         lights: Arc::new(lights),
         camera,
         meter,
+        world,
         basis: Basis::Rgb,
         guide: None,
     };

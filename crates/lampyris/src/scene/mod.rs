@@ -24,7 +24,7 @@ pub use point::SurfacePoint;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source};
+use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, World};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::sampler::{self, Sampler};
@@ -41,6 +41,8 @@ pub struct Scene {
     camera: Camera,
     /// The shape whose irradiance is measured in place of a picture.
     meter: Option<u32>,
+    /// Before which light from infinitely far away starts.
+    world: World,
     /// Whether its passes have wavelengths.
     spectral: bool,
     /// What the lanes of all light in it are.
@@ -186,6 +188,21 @@ impl Scene {
         // Not zero, by which turned frames are known.
         let lean = (0.125 * tan2).clamp(f32::MIN_POSITIVE, 1.0);
         (Frame::along(frame.to_world(normal).normalize(), frame.tangent()), lean)
+    }
+
+    /// How far light comes to `at`, in scene units: from where its shadow ray ends, or from infinitely far away.
+    #[inline]
+    pub fn distance_of(&self, at: Vec3, illumination: &Illumination) -> f32 {
+        illumination
+            .target
+            .map_or_else(|| self.distance_from_far(at, illumination.to_light), |target| target.distance(at))
+    }
+
+    /// How far light from infinitely far away comes to `at`, in scene units, since it began in front of all that is finite,
+    /// where its photons do; negative for what lies in front of that.
+    #[inline]
+    pub fn distance_from_far(&self, at: Vec3, to_light: Vec3) -> f32 {
+        self.world.radius - (at - self.world.center).dot(to_light)
     }
 
     /// Share of the light from `illumination` that what stands between leaves to `from`: 1, 0, or what holes let through.

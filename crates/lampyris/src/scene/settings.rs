@@ -174,6 +174,10 @@ fn full_path(schema: &Schema, tree: &Value, key: &str) -> Result<String> {
 /// The place `keys` below `node`, in the schema and in the tree; `path` is the key in full, for messages.
 fn enter<'s, 't>(node: Node<'s>, tree: &'t mut Value, keys: &[&str], path: &str) -> Result<(Node<'s>, &'t mut Value)> {
     let Some((key, rest)) = keys.split_first() else { return Ok((node, tree)) };
+    if tree.is_null() && path.starts_with("film.time.") {
+        // Whoever sets one of its keys wants time; the other keys have defaults.
+        *tree = Value::Object(serde_json::Map::new());
+    }
     if tree.is_null() {
         return Err(Error::new(format!("cannot set '{path}': the scene has no camera")));
     }
@@ -251,7 +255,9 @@ fn completed<'t>(form: &Form<'_>, text: &'t str) -> Cow<'t, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{BandwidthRule, FilterDescription, FovAxis, KernelName, Show};
+    use crate::scene::description::{
+        BandwidthRule, FilterDescription, FovAxis, KernelName, Show, TimeDescription, Unwarp,
+    };
 
     fn scene() -> SceneDescription {
         let integrator = IntegratorDescription::PhotonMap(PhotonMapSettings::default());
@@ -310,6 +316,20 @@ mod tests {
                 show: Show::Caustics,
             }
         );
+    }
+
+    #[test]
+    fn a_key_of_time_makes_a_film_with_time() {
+        let time =
+            set(&[("time.bins", "100"), ("film.time.bin_width", "0.5"), ("time.unwarp", "last-segment")]).film.time;
+        let expected =
+            TimeDescription { bins: 100, bin_width: Some(0.5), unwarp: Unwarp::LastSegment, ..Default::default() };
+        assert_eq!(time, Some(expected));
+        let whole = set(&[("time", "{ bins = 3, start-seconds = 1e-9 }")]).film.time.expect("time");
+        assert_eq!((whole.bins, whole.start_seconds), (3, Some(1e-9)));
+        fails("time.bins", "0", "'bins' must be at least 1");
+        fails("time.bin-width", "0", "'bin-width' must be greater than 0 and finite, not 0");
+        fails("time.bin", "0", "unknown setting 'film.time.bin'; did you mean 'bins'?");
     }
 
     #[test]
@@ -386,7 +406,7 @@ mod tests {
             "zzz",
             "3",
             "unknown setting 'zzz'; photon-map has alpha, bandwidth, direct, k, kernel, max-bounces, photons, radius, \
-             samples, show; the film has filter, size",
+             samples, show; the film has filter, size, time",
         );
     }
 

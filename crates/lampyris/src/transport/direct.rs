@@ -7,28 +7,32 @@ use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 
 /// Radiance that the smooth lobes at `point` reflect from one of the lights, chosen at random, back along the path
-/// (theory §4.3), times a weight against other ways of finding the same light.
+/// (theory §4.3), times a weight against other ways of finding the same light; with the distance that it came, in scene
+/// units times the index of refraction on its side over that on the side of the path.
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
     sampler: &mut Sampler,
     weight: impl FnOnce(LightId, &Illumination) -> f32,
-) -> Spectrum {
+) -> (Spectrum, f32) {
+    const NOTHING: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
     if !point.bsdf.lobes().meets(Lobes::SMOOTH) {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
     let Some((light, illumination)) = scene.illuminate(point.surface.position, sampler) else {
-        return Spectrum::ZERO;
+        return NOTHING;
     };
     let value = point.eval_radiance(illumination.to_light);
     if value.is_zero() {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
     let visibility = scene.visibility(&point.surface, &illumination);
     if visibility <= 0.0 {
-        return Spectrum::ZERO;
+        return NOTHING;
     }
-    value * illumination.irradiance * (point.cos(illumination.to_light) * weight(light, &illumination) * visibility)
+    let factor = point.cos(illumination.to_light) * weight(light, &illumination) * visibility;
+    let distance = scene.distance_of(point.surface.position, &illumination) * point.ior_toward(illumination.to_light);
+    (value * illumination.irradiance * factor, distance)
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

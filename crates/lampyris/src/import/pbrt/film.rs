@@ -23,7 +23,7 @@ impl Importer<'_> {
             None => FilterDescription::Gaussian { stddev: 0.5 },
         };
         let size = [0, 1].map(|axis| crop.high[axis] - crop.low[axis]);
-        self.description().film = FilmDescription { size, filter };
+        self.description().film = FilmDescription { size, filter, time: None };
         if let Some((camera, to_camera)) = options.remove("Camera") {
             self.camera(&camera, to_camera, crop)?;
         }

@@ -293,7 +293,14 @@ impl Chain {
     fn photon(&self, scene: &Scene, end: usize) -> Option<Photon> {
         let instead = Instead::new(scene, MERGING.density(MERGING.further), MERGING.on_from_further);
         let max_bounces = self.max_bounces();
-        let mut deposit = Deposit { photons: Vec::new(), direct: false, max_bounces, path: 0, instead: Some(instead) };
+        let mut deposit = Deposit {
+            photons: Vec::new(),
+            direct: false,
+            max_bounces,
+            path: 0,
+            parallel: false,
+            instead: Some(instead),
+        };
         let source = match self.lamp {
             Lamp::Shape(shape, surface) => Source::Shape(shape, surface),
             Lamp::Point(_) => Source::Point,
@@ -333,7 +340,7 @@ impl Chain {
             Way::Shadow => {
                 // The last light is that of photons, of which there are none.
                 let added = self.look(scene, &map(Vec::new()), last - 1)?;
-                let direct = |point: &SurfacePoint| direct_light(scene, point, &mut self.sampler.clone(), |_, _| 1.0);
+                let direct = |point: &SurfacePoint| direct_light(scene, point, &mut self.sampler.clone(), |_, _| 1.0).0;
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
                 (added[added.len() - 2], all)
             }
@@ -377,13 +384,17 @@ impl Chain {
 }
 
 /// All light that is added, in its order.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Noted(Vec<Spectrum>);
 
 impl Sink for Noted {
     const LAYERED: bool = false;
 
-    fn add(&mut self, light: Spectrum, _: u32) {
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
         self.0.push(light);
     }
 

@@ -13,12 +13,95 @@ pub struct FilmDescription {
     pub size: [u32; 2],
     /// The reconstruction filter.
     pub filter: FilterDescription,
+    /// Bins in time beside the picture: when the light of a pulse that all lamps send at time 0 arrives; none by default.
+    pub time: Option<TimeDescription>,
 }
 
 impl Default for FilmDescription {
     fn default() -> FilmDescription {
-        FilmDescription { size: [512, 512], filter: FilterDescription::default() }
+        FilmDescription { size: [512, 512], filter: FilterDescription::default(), time: None }
     }
+}
+
+/// In vacuum, in m/s: scene units are metres where time is in seconds.
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+
+/// The time bins of every pixel. Time is optical path length, Σ index × distance, in scene units.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct TimeDescription {
+    /// How many bins (default 256).
+    pub bins: u32,
+    /// Optical path length of a bin, in scene units; measured by default, so that the bins hold nearly all light.
+    pub bin_width: Option<f64>,
+    /// Optical path length at which the first bin begins, in scene units; measured by default.
+    pub start: Option<f64>,
+    /// In place of `bin-width`, in seconds, with scene units of a metre.
+    pub bin_width_seconds: Option<f64>,
+    /// In place of `start`, in seconds, with scene units of a metre.
+    pub start_seconds: Option<f64>,
+    /// Which part of the way is left out, for pictures in which light is seen where it is at one time.
+    pub unwarp: Unwarp,
+    /// Whether the variance of every bin is kept, too, which takes a third more memory.
+    pub variance: bool,
+    /// Most memory that the bins may take, in GiB (default 8).
+    pub memory_limit: f64,
+}
+
+impl Default for TimeDescription {
+    fn default() -> TimeDescription {
+        TimeDescription {
+            bins: 256,
+            bin_width: None,
+            start: None,
+            bin_width_seconds: None,
+            start_seconds: None,
+            unwarp: Unwarp::None,
+            variance: false,
+            memory_limit: 8.0,
+        }
+    }
+}
+
+impl TimeDescription {
+    /// Where the first bin begins, as an optical path length in scene units, if it is given.
+    pub fn start(&self) -> Option<f64> {
+        self.start.or(self.start_seconds.map(|seconds| SPEED_OF_LIGHT * seconds))
+    }
+
+    /// Most bytes that the bins of a picture of this size take while it is rendered: exact sums of three channels, or four
+    /// with the variance, and what arrives in one pass, twice.
+    pub fn bytes(&self, [width, height]: [u32; 2]) -> f64 {
+        const SUM: f64 = 17.0;
+        const ARRIVAL: f64 = 20.0;
+        let sums = if self.variance { 4.0 } else { 3.0 };
+        f64::from(width) * f64::from(height) * (f64::from(self.bins) + 2.0) * (sums * SUM + 2.0 * ARRIVAL)
+    }
+
+    /// Sets both, as optical path lengths in scene units.
+    pub fn fix(&mut self, start: f64, bin_width: f64) {
+        (self.start, self.bin_width) = (Some(start), Some(bin_width));
+        (self.start_seconds, self.bin_width_seconds) = (None, None);
+    }
+
+    /// The width of a bin as an optical path length in scene units, if it is given.
+    pub fn bin_width(&self) -> Option<f64> {
+        self.bin_width.or(self.bin_width_seconds.map(|seconds| SPEED_OF_LIGHT * seconds))
+    }
+}
+
+/// What of the way from lamp to camera does not count, so that light is seen at the time at which it is where it is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unwarp {
+    /// All of it counts: what a camera would see.
+    #[default]
+    None,
+    /// The way from the camera to the first surface, a mirror or glass as well, does not count.
+    FirstSurface,
+    /// The last segment of the way to the camera does not count: from the first surface, or from where a medium scattered
+    /// the light last.
+    LastSegment,
 }
 
 /// A reconstruction filter; sizes in pixels.

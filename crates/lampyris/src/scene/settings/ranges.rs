@@ -4,7 +4,8 @@ use super::Settings;
 use crate::error::{Error, Result};
 use crate::scene::SceneDescription;
 use crate::scene::description::{
-    BandwidthRule, CameraDescription, FilmDescription, FilterDescription, IntegratorDescription, RenderDescription,
+    BandwidthRule, CameraDescription, FilmDescription, FilterDescription, IntegratorDescription, PhotonMapSettings,
+    RenderDescription, Show, TimeDescription,
 };
 
 /// Most pixels of a picture: 2²⁶, 8192 × 8192, which take about five gigabytes while they are rendered.
@@ -30,6 +31,16 @@ impl Settings {
     pub(super) fn check(&self) -> Result<()> {
         integrator(&self.integrator)?;
         film(&self.film)?;
+        if let Some(time) = &self.film.time {
+            self::time(time, self.film.size)?;
+            if let IntegratorDescription::PhotonMap(PhotonMapSettings {
+                show: Show::Photons | Show::Caustics, ..
+            }) = &self.integrator
+            {
+                return Err(Error::at_key("film.time", "a picture of the photon map itself has no time")
+                    .with_hint("set show to radiance, or leave time out"));
+            }
+        }
         render(&self.render)?;
         self.camera.as_ref().map_or(Ok(()), camera)
     }
@@ -90,6 +101,45 @@ fn film(film: &FilmDescription) -> Result<()> {
     }
     Ok(())
 }
+
+fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
+    at_least_one("film.time.bins", time.bins)?;
+    let widths = [("film.time.bin-width", time.bin_width), ("film.time.bin-width-seconds", time.bin_width_seconds)];
+    let starts = [("film.time.start", time.start), ("film.time.start-seconds", time.start_seconds)];
+    for [(_, in_units), (key, in_seconds)] in [widths, starts] {
+        if in_units.is_some() && in_seconds.is_some() {
+            let message = format!("'{}' is given in scene units as well", last(key));
+            return Err(Error::at_key(key, message).with_hint("leave one of them out"));
+        }
+    }
+    for (key, width) in widths.into_iter().filter_map(|(key, width)| Some((key, width?))) {
+        if !(width.is_finite() && width > 0.0) {
+            let message = format!("'{}' must be greater than 0 and finite, not {width}", last(key));
+            return Err(Error::at_key(key, message));
+        }
+    }
+    for (key, start) in starts.into_iter().filter_map(|(key, start)| Some((key, start?))) {
+        if !start.is_finite() {
+            return Err(Error::at_key(key, format!("'{}' must be finite, not {start}", last(key))));
+        }
+    }
+    let limit = time.memory_limit;
+    if !(limit.is_finite() && limit > 0.0) {
+        let message = format!("'memory-limit' must be greater than 0 and finite, not {limit}");
+        return Err(Error::at_key("film.time.memory-limit", message));
+    }
+    let (gib, [width, height]) = (time.bytes(size) / GIB, size);
+    if gib > limit {
+        let bins = time.bins;
+        let message =
+            format!("{bins} time bins of {width}×{height} pixels take {gib:.1} GiB, more than the {limit} allowed");
+        return Err(Error::at_key("film.time.bins", message)
+            .with_hint("keep fewer bins or pixels, or set film.time.memory-limit, in GiB"));
+    }
+    Ok(())
+}
+
+const GIB: f64 = (1_u64 << 30) as f64;
 
 fn render(render: &RenderDescription) -> Result<()> {
     render.passes.map_or(Ok(()), |passes| at_least_one("render.passes", passes))
@@ -220,6 +270,35 @@ mod tests {
             "a picture of 4294967295×4294967295 is too large: at most 67108864 pixels",
         );
         sized([8192, 8192]).check_settings().expect("just small enough");
+    }
+
+    #[test]
+    fn time_has_a_range_and_a_size() {
+        let timed = |change: fn(&mut TimeDescription)| {
+            let mut time = TimeDescription::default();
+            change(&mut time);
+            SceneDescription { film: FilmDescription { time: Some(time), ..Default::default() }, ..Default::default() }
+        };
+        timed(|_| {}).check_settings().expect("the defaults are small enough");
+        fails(&timed(|time| time.bins = 0), "film.time.bins", "'bins' must be at least 1");
+        fails(
+            &timed(|time| time.bins = 4096),
+            "film.time.bins",
+            "4096 time bins of 512×512 pixels take 91.0 GiB, more than the 8 allowed",
+        );
+        fails(
+            &timed(|time| time.bin_width = Some(-1.0)),
+            "film.time.bin-width",
+            "'bin-width' must be greater than 0 and finite, not -1",
+        );
+        fails(
+            &timed(|time| (time.start, time.start_seconds) = (Some(0.0), Some(0.0))),
+            "film.time.start-seconds",
+            "'start-seconds' is given in scene units as well",
+        );
+        let scene = with(|settings| settings.show = Show::Photons);
+        let film = FilmDescription { time: Some(TimeDescription::default()), ..Default::default() };
+        fails(&SceneDescription { film, ..scene }, "film.time", "a picture of the photon map itself has no time");
     }
 
     #[test]

@@ -35,7 +35,8 @@ impl Importer<'_> {
     /// Reads the film, and says which part of it the camera draws.
     pub(super) fn film(&mut self, object: Option<usize>) -> Result<Window> {
         // Mitsuba's sizes where the file gives none.
-        let mut film = FilmDescription { size: [768, 576], filter: FilterDescription::Gaussian { stddev: 0.5 } };
+        let mut film =
+            FilmDescription { size: [768, 576], filter: FilterDescription::Gaussian { stddev: 0.5 }, time: None };
         let Some(object) = object else {
             let full = film.size;
             self.description().film = film;
