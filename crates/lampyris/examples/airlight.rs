@@ -1,4 +1,4 @@
-//! A flash in fog over a floor, by formulas instead of paths: `cargo run --example airlight -- airlight.npz`.
+//! A flash in fog over a floor, by formulas instead of paths: `cargo run -p lampyris --example airlight -- airlight.npz`.
 //!
 //! Light that fog scatters once towards the camera has a closed form in time. Along a camera ray that passes a lamp of
 //! intensity I at the distance h, z0 from the camera on, it is 2 σs p I exp(-σt s) / ((s - z0)² + h²) by path length s.
