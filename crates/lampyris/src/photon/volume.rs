@@ -98,8 +98,9 @@ struct Part {
 
 /// A beam is cut into at most so many boxes, and not much shorter ones than its kernel is wide.
 const MOST_PARTS: f32 = 64.0;
-/// How many such parts there may be for each beam, in the mean: of what memory can hold.
 const WIDTHS: f32 = 8.0;
+/// And all beams into about so many more than there are beams: of what memory can hold, and time can sort.
+const ALL_PARTS: f64 = 524_288.0;
 
 /// Rays closer to parallel than this (squared sine of their angle) have no crossing that could be told.
 const PARALLEL: f32 = 1e-5;
@@ -115,10 +116,12 @@ impl VolumeMap {
     ) -> VolumeMap {
         let beams: Vec<Beam> = blocks.into_iter().flatten().collect();
         let (mut parts, mut boxes) = (Vec::with_capacity(beams.len()), Vec::with_capacity(beams.len()));
+        let whole: f64 = beams.iter().map(|beam| f64::from(beam.length.min(f32::MAX.sqrt()))).sum();
+        let piece = (WIDTHS * radius).max((whole / ALL_PARTS) as f32);
         for (number, beam) in (0..).zip(&beams) {
             // What leaves the scene has no end that a box could have; nothing is seen there, either.
             let length = beam.length.min(f32::MAX.sqrt());
-            let count = (length / (WIDTHS * radius)).ceil().clamp(1.0, MOST_PARTS);
+            let count = (length / piece).ceil().clamp(1.0, MOST_PARTS);
             for part in 0..count as u32 {
                 let [from, to] = [part, part + 1].map(|end| length * end as f32 / count);
                 let ends = [from, to].map(|along| beam.start + beam.direction * along);
