@@ -1,6 +1,7 @@
 //! The command line as typed: what can be said, and which values make sense on their own. Whether they fit the
 //! scene is for the library to tell.
 
+mod transient;
 mod values;
 
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -12,6 +13,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use lampyris::film::Layers;
 
+pub use transient::{Length, PulseShape, TransientArguments, length};
 use values::{duration, finite, layers, pair, pass_range, positive_count, preview, share, size, threads};
 
 /// A photon-mapping renderer: caustics, colour bleeding, and a picture that converges.
@@ -44,6 +46,8 @@ pub enum Command {
     Tonemap(TonemapArguments),
     /// Measure how far two pictures are apart.
     Compare(CompareArguments),
+    /// Make films, pictures, tables and measurements of light by time.
+    Transient(TransientArguments),
     /// Print completions for a shell, to be put where it looks for them.
     Completions(CompletionsArguments),
     /// Write man pages.

@@ -21,6 +21,7 @@ mod report;
 mod scene;
 mod snapshots;
 mod stats;
+mod transient;
 
 use std::process::ExitCode;
 
@@ -63,6 +64,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Convert(arguments) => convert::run(arguments),
         Command::Tonemap(arguments) => Ok(image_commands::tonemap(arguments)?),
         Command::Compare(arguments) => Ok(image_commands::compare(arguments)?),
+        Command::Transient(arguments) => Ok(transient::run(arguments)?),
         Command::Completions(arguments) => Ok(generate::completions(arguments.shell)?),
         Command::Man(arguments) => Ok(generate::man(&arguments.output)?),
         Command::Schema => Ok(report::print(&lampyris::scene::schema::json_schema())?),

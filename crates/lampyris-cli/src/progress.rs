@@ -83,6 +83,14 @@ impl Display {
         }
     }
 
+    /// Shows how many of some steps are done, on a terminal: elsewhere their end is told soon enough.
+    pub fn step(&self, done: usize, of: usize, what: &str) {
+        if let Display::Bar(bar) = self {
+            bar.set_position(STEPS * done as u64 / of.max(1) as u64);
+            bar.set_prefix(what.to_string());
+        }
+    }
+
     /// Takes the bar from the screen, until it is needed again.
     pub fn clear(&self) {
         if let Display::Bar(bar) = self {

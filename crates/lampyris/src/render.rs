@@ -50,7 +50,7 @@ impl<'s> Render<'s> {
     /// If the checkpoint's pilot is not one of this integrator, or its film has another size.
     pub fn resume(scene: &'s Scene, description: &SceneDescription, checkpoint: Checkpoint) -> Result<Render<'s>> {
         let (mut settings, seed) = (description.film.clone(), description.render.seed);
-        let integrator = resumed(&description.integrator, checkpoint.pilot())?;
+        let integrator = resumed(scene, &description.integrator, checkpoint.pilot())?;
         let (film, passes) = checkpoint.into_film();
         if film.size() != settings.size.map(|side| side as usize) {
             return Err(Error::new("the film has another size than it should"));

@@ -57,7 +57,11 @@ fn intervals_cover_the_truth_in_ninety_five_of_a_hundred_renders() {
 /// with a wide filter those of light tracing, too, as what pixels are divided by comes from camera paths.
 #[test]
 fn intervals_of_camera_paths_cover_the_truth_at_least_as_often() {
-    for settings in ["integrator=path samples=16", "integrator=light photons=2000 filter=tent"] {
+    for settings in [
+        "integrator=path samples=16",
+        "integrator=light photons=2000 filter=tent",
+        "integrator=auto photons=2000 samples=16",
+    ] {
         let share = coverage(settings, 12);
         assert!(share >= 0.93, "{settings}: {share}");
     }

@@ -183,6 +183,7 @@ fn features_look_through_glass_and_mirrors() {
         ("integrator=path samples=16", 16),
         ("integrator=light photons=10", 256),
         ("integrator=photon-map photons=100 radius=1", 256),
+        ("integrator=auto photons=100 samples=16", 16),
     ];
     for (way, passes) in ways {
         let film = film(&lit(scene, way), Layers::ALL, passes);
@@ -227,6 +228,7 @@ fn caustics_are_the_light_that_glass_throws_on_the_floor() {
         ("integrator=light photons=50000", 8),
         ("integrator=photon-map photons=50000 radius=0.05", 8),
         ("integrator=photon-map photons=50000 direct=photons bandwidth=fixed radius=0.05", 8),
+        ("integrator=auto photons=50000 samples=64", 8),
     ];
     let share = |(way, passes): (&str, u32)| {
         let film = film(&lit(&scene, way), Layers::ALL, passes);

@@ -54,8 +54,8 @@ struct Pilot {
 /// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
 /// are more photons in all than usual, of more of them.
 const NEAREST: u32 = 20;
-/// On the first surface, the radius is so large that it typically holds this many photons, but never less or more than
-/// so many pixels; and on all further ones, where what it blurs is not seen, this many.
+/// On the first surface, the radius is so large that it typically holds that many photons, but never less or more than so
+/// many pixels; and on all further ones, where what it blurs is not seen, so large that it holds this many.
 const FIRST_PIXELS: [f32; 2] = [2.0, 5.0];
 const FURTHER_COUNT: usize = 5;
 
@@ -91,9 +91,12 @@ impl Auto {
     /// With what a pilot has found out before.
     ///
     /// # Errors
-    /// If it is no such thing.
-    pub fn resumed(settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
+    /// If it is no such thing, or not about such a scene.
+    pub fn resumed(scene: &Scene, settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
         let pilot: Pilot = pilot::read(pilot)?;
+        if !pilot.is_fit(scene, &settings) {
+            return Err(pilot::unfit());
+        }
         Ok(Auto { settings, guide: pilot.guide(), pilot })
     }
 
@@ -214,6 +217,21 @@ impl Pilot {
         self.further = further.unwrap_or_else(|| pilot::fallback(scene));
         self.counts =
             [self.nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| FURTHER_COUNT as f32)];
+    }
+
+    /// Whether it can have been measured: films come from anywhere.
+    fn is_fit(&self, scene: &Scene, settings: &AutoSettings) -> bool {
+        let most = (TIMES[1] * PATHS[1]) as u64;
+        let paths = settings.photons.map_or(1..=most, |photons| photons.into()..=photons.into());
+        let positive = |number: f32| number.is_finite() && number > 0.0;
+        let learned = self.learned.as_ref();
+        paths.contains(&self.paths)
+            && (NEAREST..=(NEAREST as f32 * TIMES[1].sqrt()) as u32).contains(&self.nearest)
+            && positive(self.first)
+            && positive(self.further)
+            && self.counts.iter().all(|&count| count >= 0.0)
+            && (0.0..=1.0).contains(&self.useful)
+            && learned.is_none_or(|learned| settings.guiding && learned.is_fit(scene))
     }
 
     fn guide(&self) -> Option<Arc<Guide>> {

@@ -13,7 +13,7 @@ use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use crate::film::{Plain, Sink};
 use crate::light::{Focus, Guide, Lesson, LightId};
-use crate::material::{Event, Lobes};
+use crate::material::Event;
 use crate::photon::{Nearest, PhotonMap};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
@@ -66,6 +66,26 @@ impl Learned {
         };
         let lessons = lights.iter().flat_map(of_light).collect();
         Learned { foci, even: 0.5, lessons }
+    }
+
+    /// Whether it can have been learned of this scene.
+    pub(super) fn is_fit(&self, scene: &Scene) -> bool {
+        let amount = |number: f32| number.is_finite() && number >= 0.0;
+        let focus = |focus: &Focus| focus.center.is_finite() && focus.radius.is_finite() && focus.radius > 0.0;
+        let lesson = |lesson: &Lesson| {
+            scene.aimed_lights().any(|(light, _)| light == lesson.light)
+                && lesson.focus.is_none_or(|focus| (focus as usize) < self.foci.len())
+                && lesson.cells.len() == Lesson::CELLS
+                && [lesson.share].iter().chain(&lesson.cells).all(|&number| amount(number))
+        };
+        let shares: f32 = self.lessons.iter().map(|lesson| lesson.share).sum();
+        self.foci.len() <= FOCI
+            && self.lessons.len() <= WAYS
+            && self.foci.iter().all(focus)
+            && self.lessons.iter().all(lesson)
+            && amount(self.even)
+            && amount(shares)
+            && self.even + shares > 0.0
     }
 
     /// The guide that follows.
@@ -216,7 +236,8 @@ fn caster_points(scene: &Scene) -> Vec<Vec3> {
     const PLACES: usize = 4096;
     const POINTS: usize = 8192;
     let surfaces = scene.surfaces();
-    let all: Vec<_> = surfaces.places().filter(|&(shape, _)| may_cast(scene, shape)).collect();
+    let casts: Vec<bool> = (0..scene.shapes().len()).map(|shape| may_cast(scene, shape)).collect();
+    let all: Vec<_> = surfaces.places().filter(|&(shape, _)| casts[shape as usize]).collect();
     let step = all.len().div_ceil(PLACES).max(1);
     let each = (POINTS / all.len().clamp(1, PLACES)).clamp(2, 1024) as u64;
     let mut points = Vec::new();
@@ -229,12 +250,14 @@ fn caster_points(scene: &Scene) -> Vec<Vec3> {
     points
 }
 
-fn may_cast(scene: &Scene, shape: u32) -> bool {
-    let at = Vec2::splat(0.5);
-    let Some(surface) = scene.surfaces().sample(shape, at) else { return false };
+/// Whether a shape scatters otherwise than evenly on either side, in its middle.
+fn may_cast(scene: &Scene, shape: usize) -> bool {
+    let Some(surface) = scene.surfaces().sample(shape as u32, Vec2::splat(0.5)) else { return false };
     let lookup = Lookup { basis: scene.basis(), ..Lookup::point(surface.uv) };
-    let lobes = scene.materials().bsdf(scene.shapes()[shape as usize].material, &lookup, true).lobes();
-    [Event::Specular, Event::Refraction, Event::Glossy].into_iter().any(|event| Lobes::contains(lobes, event))
+    [true, false].into_iter().any(|front| {
+        let lobes = scene.materials().bsdf(scene.shapes()[shape].material, &lookup, front).lobes();
+        [Event::Specular, Event::Refraction, Event::Glossy].into_iter().any(|event| lobes.contains(event))
+    })
 }
 
 /// In two, at the middle of the longest side of their box.

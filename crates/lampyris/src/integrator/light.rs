@@ -11,9 +11,10 @@ use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::film::{Arrival, Clock, Exposure, Kind, Layered, Layers, Plain, Sink, Timed};
 use crate::material::{Bsdf, Lobes};
 use crate::sampler::Sampler;
-use crate::scene::description::{FilmDescription, LightSettings, TimeDescription, Unwarp};
+use crate::scene::description::{FilmDescription, LightSettings, TimeDescription};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Unwarp;
 use crate::transport::{Limits, Origin, PathState, Visitor, walk};
 
 /// See the module.

@@ -85,10 +85,10 @@ pub fn integrator(
 /// The same integrator as [`integrator`] makes, to the bit, without measuring again: `pilot` is what the first one measured.
 ///
 /// # Errors
-/// If no integrator with these settings has measured that.
-pub fn resumed(description: &IntegratorDescription, pilot: &[u8]) -> Result<Box<dyn Integrator>> {
+/// If no integrator with these settings has measured that, or not in a scene like this.
+pub fn resumed(scene: &Scene, description: &IntegratorDescription, pilot: &[u8]) -> Result<Box<dyn Integrator>> {
     Ok(match description {
-        IntegratorDescription::Auto(settings) => Box::new(Auto::resumed(settings.clone(), pilot)?),
+        IntegratorDescription::Auto(settings) => Box::new(Auto::resumed(scene, settings.clone(), pilot)?),
         IntegratorDescription::PhotonMap(settings) => {
             Box::new(PhotonMapping::resumed(settings.clone(), pilot::read(pilot)?)?)
         }

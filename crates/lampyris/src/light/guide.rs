@@ -1,8 +1,7 @@
 //! Guided emission: photons leave for where they count (theory §5.5).
 
-use serde::{Deserialize, Serialize};
-
 use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::{Aim, Focus, LightId, Section};
 use crate::geometry::Ray;
@@ -78,7 +77,7 @@ impl Lesson {
 
     fn place(&self) -> Grid {
         let total: f64 = self.cells.iter().map(|&cell| f64::from(cell)).sum();
-        let floor = EVEN_OF_AIM * total / (Lesson::CELLS) as f64;
+        let floor = EVEN_OF_AIM * total / Lesson::CELLS as f64;
         let cell = |column, row| self.cells.get(row * SIDE + column).map_or(0.0, |&cell: &f32| f64::from(cell));
         Grid::new(SIDE, SIDE, |column, row| floor + cell(column, row))
     }

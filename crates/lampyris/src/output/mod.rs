@@ -20,21 +20,29 @@ mod limits;
 mod npy;
 mod pfm;
 mod photons;
+mod plot;
 mod png;
 mod ppm;
 mod scene;
+mod tal;
 #[cfg(test)]
 mod tests;
 mod tga;
 mod transient;
+mod video;
 
 use std::io::Read;
 use std::path::Path;
 
 pub use atomic::{check_writable, write_whole};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
+pub use plot::{check_pixel, map_csv, profile_csv, profile_svg};
 pub use scene::{check_scene_path, write_scene};
-pub use transient::{TransientFormat, check_transient_path, read_transient, sidecar_path, write_transient};
+pub use tal::{encode_tal, is_hdf5, write_tal};
+pub use transient::{
+    TransientFormat, check_transient_path, read_transient, sidecar_path, write_phasors, write_transient,
+};
+pub use video::{VideoFormat, encode_video};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;
@@ -171,6 +179,11 @@ fn encode_picture(format: Format, picture: &Picture<'_>) -> Result<Vec<u8>> {
         Format::Png => png::encode(image),
         Format::Ppm => Ok(ppm::encode(image)),
     }
+}
+
+/// Three bytes a pixel, row by row, as a PNG has them: display light cut off at 0 and 1, under the sRGB curve.
+pub fn display_codes(image: &Image) -> Vec<u8> {
+    png::codes(image)
 }
 
 /// Reads the picture in a file, as [`decode`] does.

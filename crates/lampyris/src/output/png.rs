@@ -16,7 +16,7 @@ use crate::texture::{Curve, Raster, Texels};
 /// Values are cut off at 0 and 1; what is not a number becomes 0.
 pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
     let fail = |error: &dyn std::fmt::Display| Error::new(format!("the picture cannot be written as PNG: {error}"));
-    let codes: Vec<u8> = image.pixels().iter().flatten().map(|&value| code(value)).collect();
+    let codes = codes(image);
     let width = u32::try_from(image.width()).map_err(|error| fail(&error))?;
     let height = u32::try_from(image.height()).map_err(|error| fail(&error))?;
     let mut bytes = Vec::new();
@@ -24,6 +24,11 @@ pub(super) fn encode(image: &Image) -> Result<Vec<u8>> {
         .write_image(&codes, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| fail(&error))?;
     Ok(bytes)
+}
+
+/// Three bytes a pixel, under the sRGB curve. Values are cut off at 0 and 1; what is not a number becomes 0.
+pub(super) fn codes(image: &Image) -> Vec<u8> {
+    image.pixels().iter().flatten().map(|&value| code(value)).collect()
 }
 
 fn code(linear: f32) -> u8 {

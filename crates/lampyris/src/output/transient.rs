@@ -12,7 +12,7 @@ use super::atomic::{check_writable, write_whole};
 use super::npy::{Array, encode_array};
 use super::read_whole;
 use crate::error::{Error, Place, Result, did_you_mean};
-use crate::transient::{Axis, IndexMode, SPEED_OF_LIGHT, Timing, Transient, Unwarp};
+use crate::transient::{Axis, Capture, IndexMode, Phasors, SPEED_OF_LIGHT, Timing, Transient, Unwarp};
 
 /// A file format for a [`Transient`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +55,9 @@ struct Sidecar {
     /// Of the array: for people to read.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     shape: Option<[u64; 4]>,
+    /// Of a relay wall.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    capture: Option<Capture>,
 }
 
 fn this_version() -> u32 {
@@ -127,13 +130,13 @@ pub fn read_transient(path: &Path, otherwise: Option<Timing>) -> Result<Transien
         TransientFormat::Npy => {
             let sidecar = sidecar_path(path);
             let bytes = read_whole(path)?;
-            let timing = match (read_whole(&sidecar), otherwise) {
+            let meaning = match (read_whole(&sidecar), otherwise) {
                 (Ok(text), _) => decode_sidecar(&sidecar, &text)?,
-                (Err(_), Some(timing)) if !sidecar.exists() => timing,
+                (Err(_), Some(timing)) if !sidecar.exists() => (timing, None),
                 (Err(error), _) if sidecar.exists() => return Err(error),
                 (Err(_), _) => return Err(no_axis(path, &sidecar)),
             };
-            decode_values(&bytes, timing).map_err(|error| error.with_file(path))
+            decode_values(&bytes, meaning).map_err(|error| error.with_file(path))
         }
         TransientFormat::Npz => decode_npz(&read_whole(path)?, otherwise).map_err(|error| error.with_file(path)),
     }
@@ -142,6 +145,21 @@ pub fn read_transient(path: &Path, otherwise: Option<Timing>) -> Result<Transien
 fn no_axis(path: &Path, sidecar: &Path) -> Error {
     Error::new(format!("'{}' does not say what its bins are: there is no '{}'", path.display(), sidecar.display()))
         .with_hint("write {\"start_opl\": 0, \"bin_width_opl\": 0.003} there, or give --bin-width")
+}
+
+/// Writes complex amplitudes as `.npy`: `<f4`, `(height, width, frequencies, 2)`, real and imaginary parts, with the
+/// frequencies, in cycles per scene unit, in a `.json` of the same name. Each file is written whole or not at all.
+///
+/// # Errors
+/// Another extension than `.npy`, or what the operating system says.
+pub fn write_phasors(path: &Path, phasors: &Phasors) -> Result<()> {
+    if TransientFormat::of(path)? != TransientFormat::Npy {
+        return Err(Error::new(format!("'{}' names no file for phasors", path.display())).with_hint("known is .npy"));
+    }
+    let shape = [phasors.height, phasors.width, phasors.frequencies.len(), 2];
+    let facts = serde_json::json!({ "frequencies": phasors.frequencies, "shape": shape });
+    write_whole(&sidecar_path(path), format!("{facts:#}\n").as_bytes())?;
+    write_whole(path, &encode_array(&shape, &phasors.values))
 }
 
 fn encode_values(transient: &Transient) -> Vec<u8> {
@@ -161,6 +179,7 @@ fn encode_sidecar(transient: &Transient) -> Result<Vec<u8>> {
         unwarp: timing.unwarp.name().into(),
         index: timing.index.name().into(),
         shape: Some([transient.height() as u64, transient.width() as u64, transient.bins() as u64, 3]),
+        capture: transient.capture().cloned(),
     };
     let mut bytes = serde_json::to_vec_pretty(&sidecar)
         .map_err(|error| Error::new(format!("the axis of time cannot be written: {error}")))?;
@@ -168,17 +187,28 @@ fn encode_sidecar(transient: &Transient) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn decode_sidecar(path: &Path, text: &[u8]) -> Result<Timing> {
+/// The axis of time, and how a wall was captured if it is one.
+type Meaning = (Timing, Option<Capture>);
+
+fn decode_sidecar(path: &Path, text: &[u8]) -> Result<Meaning> {
     let sidecar: Sidecar = serde_json::from_slice(text).map_err(|error| {
         let place = Place { file: path.into(), line: error.line(), column: error.column(), span: 0..0 };
         let message = error.to_string();
         let message = message.split(" at line ").next().unwrap_or_default();
         Error::new(format!("the file does not tell the axis of time: {message}")).with_place(place)
     })?;
-    timing(&sidecar).map_err(|error| {
-        let key = error.key.clone().unwrap_or_default();
-        Error { message: format!("'{key}': {}", error.message), ..error }.with_file(path)
-    })
+    match timing(&sidecar) {
+        Ok(timing) => Ok((timing, sidecar.capture)),
+        Err(error) => Err(with_key(error).with_file(path)),
+    }
+}
+
+/// The key goes into the message, for there is no place to tell.
+fn with_key(error: Error) -> Error {
+    match &error.key {
+        Some(key) => Error { message: format!("'{key}': {}", error.message), ..error },
+        None => error,
+    }
 }
 
 /// What a sidecar says, with the key of what is wrong with it.
@@ -217,7 +247,7 @@ fn unknown(key: &str, word: &str, known: &[&str]) -> Error {
 }
 
 /// The values of an array, once its size is that of its data.
-fn decode_values(bytes: &[u8], timing: Timing) -> Result<Transient> {
+fn decode_values(bytes: &[u8], (timing, capture): Meaning) -> Result<Transient> {
     let array = Array::of(bytes)?;
     let (size, channels) = match array.shape[..] {
         [height, width, bins] | [height, width, bins, 1] => ([height, width, bins], 1),
@@ -238,7 +268,11 @@ fn decode_values(bytes: &[u8], timing: Timing) -> Result<Transient> {
         1 => array.values().take(count).flat_map(|value| [value; 3]).collect(),
         _ => array.values().take(count).collect(),
     };
-    Transient::from_values((width, height, bins), timing, values)
+    let transient = Transient::from_values((width, height, bins), timing, values)?;
+    match capture {
+        Some(capture) => transient.with_capture(capture).map_err(with_key),
+        None => Ok(transient),
+    }
 }
 
 fn encode_npz(transient: &Transient) -> Result<Vec<u8>> {
@@ -274,9 +308,9 @@ fn decode_npz(bytes: &[u8], otherwise: Option<Timing>) -> Result<Transient> {
         read.map_err(|error| Error::new(format!("the NPZ file is damaged: {error}")))?;
         Ok(Some(content))
     };
-    let timing = match (member(SIDECAR)?, otherwise) {
+    let meaning = match (member(SIDECAR)?, otherwise) {
         (Some(text), _) => decode_sidecar(Path::new(SIDECAR), &text)?,
-        (None, Some(timing)) => timing,
+        (None, Some(timing)) => (timing, None),
         (None, None) => {
             return Err(Error::new(format!("the NPZ file does not say what its bins are: it has no {SIDECAR}"))
                 .with_hint("give --bin-width"));
@@ -285,7 +319,7 @@ fn decode_npz(bytes: &[u8], otherwise: Option<Timing>) -> Result<Transient> {
     let array = member(ARRAY)?.ok_or_else(|| {
         Error::new(format!("the NPZ file has no {ARRAY}")).with_hint("save it by np.savez(file, transient=array)")
     })?;
-    decode_values(&array, timing)
+    decode_values(&array, meaning)
 }
 
 #[cfg(test)]
@@ -316,7 +350,7 @@ mod tests {
     /// What becomes of a file's bytes, without the disk.
     fn decode(format: TransientFormat, bytes: &[u8]) -> Result<Transient> {
         match format {
-            TransientFormat::Npy => decode_values(bytes, Timing::new(0.0, 1.0)),
+            TransientFormat::Npy => decode_values(bytes, (Timing::new(0.0, 1.0), None)),
             TransientFormat::Npz => decode_npz(bytes, None),
         }
     }
@@ -400,7 +434,7 @@ mod tests {
 
     #[test]
     fn sidecars_say_what_is_wrong_with_them() {
-        let read = |text: &str| decode_sidecar(Path::new("a.json"), text.as_bytes());
+        let read = |text: &str| decode_sidecar(Path::new("a.json"), text.as_bytes()).map(|(timing, _)| timing);
         let millimetres = read(r#"{"bin_width_opl": 3, "unit": "mm"}"#).expect("valid");
         assert_eq!(millimetres, Timing { light_speed: SPEED_OF_LIGHT / 1e-3, ..Timing::new(0.0, 3.0) });
         for (text, expected) in [
@@ -416,6 +450,43 @@ mod tests {
             let error = read(text).expect_err(text).to_string();
             assert!(error.contains(expected), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn the_capture_of_a_wall_stays_with_its_light_and_must_fit_it() {
+        let row = |y: f64| (0..2).map(|x| [f64::from(x), y, 0.1]).collect::<Vec<_>>();
+        let grid: Vec<_> = (0..3).map(|y| row(f64::from(y))).collect();
+        let capture = Capture {
+            sensor_xyz: Some([0.0, 0.1, 1.0]),
+            laser_xyz: None,
+            sensor_grid_xyz: grid.clone(),
+            sensor_grid_normals: grid.clone(),
+            laser_grid_xyz: vec![vec![[0.0; 3]]],
+            laser_grid_normals: vec![vec![[0.0, 0.0, 1.0]]],
+            t_accounts_first_and_last_bounces: false,
+        };
+        let transient = sample().with_capture(capture.clone()).expect("it fits");
+        let npz = encode_npz(&transient).expect("encodes");
+        assert_eq!(decode(TransientFormat::Npz, &npz).expect("read").capture(), Some(&capture));
+        for broken in [
+            Capture { sensor_grid_xyz: grid[..2].to_vec(), ..capture.clone() },
+            Capture { laser_grid_xyz: grid.clone(), ..capture.clone() },
+            Capture { sensor_grid_normals: vec![vec![[f64::NAN; 3]; 2]; 3], ..capture.clone() },
+            Capture { t_accounts_first_and_last_bounces: true, ..capture.clone() },
+        ] {
+            assert!(sample().with_capture(broken.clone()).is_err(), "{broken:?}");
+        }
+    }
+
+    #[test]
+    fn phasors_are_real_and_imaginary_parts() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("p.npy");
+        write_phasors(&path, &sample().phasors(&[0.5]).expect("finite")).expect("written");
+        assert_eq!(Array::of(&read_whole(&path).expect("there")).expect("an array").shape, [3, 2, 1, 2]);
+        let facts = String::from_utf8(read_whole(&sidecar_path(&path)).expect("there")).expect("text");
+        assert!(facts.contains("\"frequencies\": [\n    0.5\n  ]"), "{facts}");
+        assert!(write_phasors(Path::new("a.npz"), &sample().phasors(&[0.5]).expect("finite")).is_err());
     }
 
     #[test]

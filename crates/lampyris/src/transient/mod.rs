@@ -3,17 +3,24 @@
 //! Time is *optical path length*, the geometric length of a path times the index of refraction along it, in scene units,
 //! counted from the moment at which all lamps flash. Divided by the speed of light it is a time.
 
+mod capture;
 mod phasor;
 mod pulse;
 mod spad;
 mod tof;
 mod views;
 
+pub use capture::{Capture, Grid};
 pub use phasor::Phasors;
 pub use pulse::{Pulse, Table};
 pub use spad::{Counting, Spad};
 pub use tof::TimeOfFlight;
 pub use views::rainbow_color;
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::image::Image;
@@ -50,14 +57,16 @@ impl Axis {
 
 /// Which part of a path does not count in its length. Without the way from the scene to the camera, light is seen where it
 /// is at a time, and not when it is seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Unwarp {
-    /// All of the path counts.
+    /// All of the path counts: what a camera would see.
     #[default]
     None,
-    /// The way from the camera to the first surface does not count (mitransient's `camera_unwarp`).
+    /// The way from the camera to the first surface, a mirror or glass as well, does not count (mitransient's
+    /// `camera_unwarp`).
     FirstSurface,
-    /// The last leg to the camera does not count, from a surface or a medium.
+    /// The last leg to the camera does not count, from the first surface or from where a medium scattered the light last.
     LastSegment,
 }
 
@@ -154,6 +163,7 @@ pub struct Transient {
     bins: usize,
     timing: Timing,
     values: Vec<f32>,
+    capture: Option<Arc<Capture>>,
 }
 
 impl Transient {
@@ -164,7 +174,7 @@ impl Transient {
     pub fn new(width: usize, height: usize, bins: usize, timing: Timing) -> Result<Transient> {
         let count = value_count(width, height, bins)?;
         timing.check()?;
-        Ok(Transient { width, height, bins, timing, values: vec![0.0; count] })
+        Ok(Transient { width, height, bins, timing, values: vec![0.0; count], capture: None })
     }
 
     /// These values, `(height, width, bins, 3)`, row-major.
@@ -179,12 +189,35 @@ impl Transient {
         let count = value_count(width, height, bins)?;
         timing.check()?;
         match values.len() == count {
-            true => Ok(Transient { width, height, bins, timing, values }),
+            true => Ok(Transient { width, height, bins, timing, values, capture: None }),
             false => Err(Error::new(format!(
                 "{} values do not make {height} × {width} pixels with {bins} bins of 3",
                 values.len()
             ))),
         }
+    }
+
+    /// The same light, of a wall that was captured so.
+    ///
+    /// # Errors
+    /// As [`Capture::check`].
+    pub fn with_capture(self, capture: Capture) -> Result<Transient> {
+        capture.check(self.width, self.height)?;
+        Ok(Transient { capture: Some(Arc::new(capture)), ..self })
+    }
+
+    /// Other values in place of these.
+    ///
+    /// # Panics
+    /// If they are not as many.
+    fn with_values(&self, values: Vec<f32>) -> Transient {
+        assert_eq!(values.len(), self.values.len(), "as many values as there were");
+        Transient { values, capture: self.capture.clone(), ..*self }
+    }
+
+    /// How a wall was captured, if it is one.
+    pub fn capture(&self) -> Option<&Capture> {
+        self.capture.as_deref()
     }
 
     /// Pixels in a row.
@@ -245,6 +278,26 @@ impl Transient {
         self.picture(|profile| profile[bin])
     }
 
+    /// The same light in wider bins, each the sum of `count` bins; the last of what is left.
+    ///
+    /// # Errors
+    /// A `count` of 0.
+    pub fn rebinned(&self, count: usize) -> Result<Transient> {
+        if count == 0 {
+            return Err(Error::new("a bin must be the sum of at least one"));
+        }
+        let bins = self.bins.div_ceil(count);
+        let axis = Axis { bin_width: self.timing.axis.bin_width * count as f64, ..self.timing.axis };
+        let mut values = Vec::with_capacity(self.width * self.height * bins * 3);
+        for group in self.profiles().flat_map(|profile| profile.chunks(count)) {
+            let sum = |channel: usize| group.iter().map(|value| f64::from(value[channel])).sum::<f64>() as f32;
+            values.extend([0, 1, 2].map(sum));
+        }
+        let size = (self.width, self.height, bins);
+        let rebinned = Transient::from_values(size, Timing { axis, ..self.timing }, values)?;
+        Ok(Transient { capture: self.capture.clone(), ..rebinned })
+    }
+
     /// The sum over all bins: the steady picture, less what came outside them.
     pub fn steady(&self) -> Image {
         self.picture(|profile| {
@@ -297,6 +350,16 @@ mod tests {
     #[test]
     fn bins_add_up_to_the_steady_picture() {
         assert_eq!(sample().steady().pixels(), [[9.0, 12.0, 15.0], [36.0, 39.0, 42.0]]);
+    }
+
+    #[test]
+    fn bins_are_added_up_to_wider_ones() {
+        let wide = sample().rebinned(2).expect("two");
+        assert_eq!(*wide.axis(), Axis { start: 4.0, bin_width: 1.0 });
+        assert_eq!(wide.profile(0, 0), [[3.0, 5.0, 7.0], [6.0, 7.0, 8.0]]);
+        assert_eq!(sample().rebinned(1).expect("one"), sample());
+        assert_eq!(sample().rebinned(usize::MAX).expect("all").steady(), sample().steady());
+        assert!(sample().rebinned(0).is_err());
     }
 
     #[test]

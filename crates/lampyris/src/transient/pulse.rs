@@ -187,7 +187,7 @@ impl Transient {
                 }
             }
         });
-        Transient::from_values((self.width(), self.height(), self.bins()), *self.timing(), values)
+        Ok(self.with_values(values))
     }
 }
 

@@ -117,7 +117,7 @@ impl Spad {
             })
             .collect();
         let values = counts?.iter().flatten().flat_map(|&count| [count; 3]).collect();
-        Transient::from_values((transient.width(), transient.height(), transient.bins()), *transient.timing(), values)
+        Ok(transient.with_values(values))
     }
 
     /// The luminance that the counts of this detector speak for: (λ̂_k - background) / η, in all three channels. If the first
@@ -156,7 +156,7 @@ impl Spad {
                 values.extend([((rate - background) / self.efficiency) as f32; 3]);
             }
         }
-        Transient::from_values((counts.width(), counts.height(), counts.bins()), *counts.timing(), values)
+        Ok(counts.with_values(values))
     }
 }
 

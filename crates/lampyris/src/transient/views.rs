@@ -61,7 +61,7 @@ impl Transient {
     /// peak of the picture by yellow, green and blue to violet for the latest; how bright it is tells how strong the peak is,
     /// beside `white`. In linear display light. With it the path lengths of the two ends; none where all is dark.
     pub fn rainbow(&self, white: f32) -> (Image, Option<[f64; 2]>) {
-        let ends = self.profiles().filter_map(|profile| peak(profile)).map(|(bin, _)| bin).fold(None, |ends, bin| {
+        let ends = self.profiles().filter_map(peak).map(|(bin, _)| bin).fold(None, |ends, bin| {
             let [first, last] = ends.unwrap_or([bin, bin]);
             Some([bin.min(first), bin.max(last)])
         });

@@ -128,7 +128,7 @@ fn an_unknown_key_proposes_the_near_one() {
 
 #[test]
 fn an_unknown_key_far_from_all_lists_them() {
-    fails("[film]\nzzz = 2\n", "s.toml:2:1: unknown key 'zzz' in film; the keys are filter and size");
+    fails("[film]\nzzz = 2\n", "s.toml:2:1: unknown key 'zzz' in film; the keys are filter, size and time");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn an_unknown_key_deep_in_a_material_keeps_its_place() {
 
 #[test]
 fn the_first_fault_of_the_file_is_told_first() {
-    fails("[film]\nzzz = 2\naaa = 1\n", "s.toml:2:1: unknown key 'zzz' in film; the keys are filter and size");
+    fails("[film]\nzzz = 2\naaa = 1\n", "s.toml:2:1: unknown key 'zzz' in film; the keys are filter, size and time");
 }
 
 #[test]

@@ -1,29 +1,20 @@
-//! The weights of all ways to make a path sum to one, and are the squares of their densities over the sum of these
-//! (theory §5.4).
-//!
-//! Along given paths from eye to lamp, what the visitors of `auto` make of the light is compared with products of densities
-//! per area as the theory has them, all in double precision, which know nothing of the sums that the walks carry.
-//!
-//! Where an event has one direction, its probability is left out, since both walks choose it alike. What remains of its
-//! density is by how much a cone of directions becomes wider there: 1 on the way from the eye, by convention, and
-//! n² cos / n'² cos' on the way back, by which the law of refraction keeps n² cos dω.
+//! Paths from eye to lamp, the densities of all ways to make them, and the weights that the visitors of `auto` give these.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::look::{Look, Merge, Merging};
 use crate::film::Sink;
 use crate::geometry::{Cone, Ray, Surface};
-use crate::import::toml::read_str;
-use crate::light::{Emission, Focus, Guide, Lesson, Light, LightId, Source};
+use crate::integrator::look::{Look, Merge, Merging};
+use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius};
-use crate::sampler::{Sampler, purpose};
-use crate::scene::{NoAssets, Scene, SurfacePoint, build};
+use crate::sampler::Sampler;
+use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transport::{Limits, Origin, PathState, Visitor, direct_light, walk};
+use crate::transport::{PathState, Visitor, direct_light};
 
 /// What a pixel sees is so wide wherever it looks, in scene units.
 const WIDTH: f32 = 0.01;
@@ -41,7 +32,7 @@ const MERGING: Merging = Merging {
 
 /// A way to make a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
+pub(super) enum Way {
     /// The walk from the camera meets the lamp.
     Hit,
     /// A shadow ray from the last point before the lamp.
@@ -52,44 +43,26 @@ enum Way {
 
 /// A point between eye and lamp.
 #[derive(Clone, Copy, Debug)]
-struct Vertex {
-    surface: Surface,
+pub(super) struct Vertex {
+    pub(super) surface: Surface,
     /// Whether it scatters smoothly, too.
-    smooth: bool,
+    pub(super) smooth: bool,
     /// What happens there.
-    event: Event,
+    pub(super) event: Event,
     /// Index of refraction on the side of the lamp over that on the side of the eye.
-    ior_ratio: f32,
+    pub(super) ior_ratio: f32,
 }
 
 impl Vertex {
     /// The same point where light is scattered smoothly, if it is.
-    fn scattering(self) -> Option<Vertex> {
+    pub(super) fn scattering(self) -> Option<Vertex> {
         self.smooth.then_some(Vertex { event: Event::Diffuse, ior_ratio: 1.0, ..self })
-    }
-}
-
-/// Notes the points of a walk.
-#[derive(Default)]
-struct Recorder(Vec<Vertex>);
-
-impl Visitor for Recorder {
-    fn vertex(&mut self, point: &SurfacePoint, _: &PathState, _: &mut Sampler) -> Lobes {
-        let smooth = point.bsdf.lobes().meets(Lobes::SMOOTH);
-        self.0.push(Vertex { surface: point.surface, smooth, event: Event::Pass, ior_ratio: 1.0 });
-        Lobes::ALL
-    }
-
-    fn scattered(&mut self, scattered: &Scattered, _: &SurfacePoint, _: &PathState) {
-        if let Some(last) = self.0.last_mut() {
-            (last.event, last.ior_ratio) = (scattered.event, scattered.ior_ratio.lanes()[0]);
-        }
     }
 }
 
 /// Where a path ends.
 #[derive(Clone, Copy, Debug)]
-enum Lamp {
+pub(super) enum Lamp {
     Shape(u32, Surface),
     Point(Vec3),
     /// In this direction, from which light comes as from all others.
@@ -103,21 +76,21 @@ const FAR: f32 = 50.0;
 
 /// A path from the eye to a lamp; its points have the numbers 0 to [`Chain::last`].
 #[derive(Debug)]
-struct Chain {
-    eye: Vec3,
+pub(super) struct Chain {
+    pub(super) eye: Vec3,
     /// From 1.
-    between: Vec<Vertex>,
-    light: LightId,
-    lamp: Lamp,
+    pub(super) between: Vec<Vertex>,
+    pub(super) light: LightId,
+    pub(super) lamp: Lamp,
     /// Where photons leave for, if not everywhere.
-    guide: Option<Arc<Guide>>,
+    pub(super) guide: Option<Arc<Guide>>,
     /// With which a shadow ray from the last point but one finds the lamp.
-    sampler: Sampler,
+    pub(super) sampler: Sampler,
 }
 
 impl Chain {
     /// The number of the point on the lamp.
-    fn last(&self) -> usize {
+    pub(super) fn last(&self) -> usize {
         self.between.len() + 1
     }
 
@@ -162,7 +135,7 @@ impl Chain {
         self.cos(to, from) / (distance * distance)
     }
 
-    fn is_smooth(&self, at: usize) -> bool {
+    pub(super) fn is_smooth(&self, at: usize) -> bool {
         Lobes::SMOOTH.contains(self.between[at - 1].event)
     }
 
@@ -209,7 +182,7 @@ impl Chain {
     }
 
     /// Whether photons are as dense right beside the path where it leaves the lamp: guides have edges.
-    fn leaves_evenly(&self, scene: &Scene) -> bool {
+    pub(super) fn leaves_evenly(&self, scene: &Scene) -> bool {
         let ray = self.ray(self.last(), self.last() - 1);
         let here = self.guided(scene, ray);
         Vec3::AXES.into_iter().flat_map(|axis| [2e-5 * axis, -2e-5 * axis]).all(|off| {
@@ -234,7 +207,7 @@ impl Chain {
     }
 
     /// All ways to make the path, each with its density; none if there is something in its way.
-    fn ways(&self, scene: &Scene) -> Option<Vec<(Way, f64)>> {
+    pub(super) fn ways(&self, scene: &Scene) -> Option<Vec<(Way, f64)>> {
         let last = self.last();
         let first = (1..last).find(|&at| self.is_smooth(at));
         // Density of a walk from the camera that reaches the point of each number.
@@ -352,7 +325,7 @@ impl Chain {
     }
 
     /// The weight that `auto` gives the path when it is made in this way: what it adds, over what there is.
-    fn weight(&self, scene: &Scene, way: Way) -> Option<f64> {
+    pub(super) fn weight(&self, scene: &Scene, way: Way) -> Option<f64> {
         let (last, radius) = (self.last(), MERGING.shrunk * MERGING.further);
         let map = |photons: Vec<Photon>| PhotonMap::build(photons, MERGING.paths, Radius::Fixed(radius));
         let (added, all) = match way {
@@ -385,7 +358,7 @@ impl Chain {
     }
 
     /// Whether light can take this path, and no step of it is so short or so level that rounding decides.
-    fn carries(&self, scene: &Scene) -> bool {
+    pub(super) fn carries(&self, scene: &Scene) -> bool {
         let last = self.last();
         let open = |at: usize| {
             let long = self.position(at).distance(self.position(at - 1)) > 0.03;
@@ -430,259 +403,4 @@ impl Sink for Noted {
     fn radiance(&self) -> Spectrum {
         self.0.iter().fold(Spectrum::ZERO, |sum, light| sum + *light)
     }
-}
-
-/// The most points between eye and lamp.
-const MOST: usize = 6;
-
-/// The longest walk, without roulette.
-const LIMITS: Limits = Limits { max_bounces: MOST as u32 - 1, roulette_from: u32::MAX };
-
-/// Paths whose last point before the lamp scatters smoothly: along a walk from the camera, as far as each of its points, and
-/// on to a lamp as a shadow ray chooses it.
-fn lit_directly(scene: &Scene, eye: Vec3, walked: &[Vertex], sampler: &Sampler) -> Vec<Chain> {
-    let chain = |number: usize| {
-        let between = extended(walked, number)?;
-        let from = &between.last()?.surface;
-        let (light, choice) = scene.illuminate(from.position, &mut sampler.clone())?;
-        let lamp = match (&scene.lights()[light as usize], choice.to_light) {
-            (Light::Point(point), _) => Lamp::Point(point.position),
-            (Light::Directional(_), toward) => Lamp::Parallel(toward),
-            (Light::Area(_), toward) => {
-                let mut bsdf = Bsdf::default();
-                let met = scene.closest(&from.spawn(toward), &mut bsdf)?;
-                // Of another lamp that is in the way there is more than one point.
-                (scene.shapes()[met.shape as usize].light == Some(light))
-                    .then_some(Lamp::Shape(met.shape, met.surface))?
-            }
-            (_, toward) => Lamp::Far(toward),
-        };
-        Some(Chain { eye, between, light, lamp, guide: None, sampler: sampler.clone() })
-    };
-    (1..=walked.len()).filter_map(chain).collect()
-}
-
-/// The first points of a walk, as many as `number`, if the last can scatter smoothly.
-fn extended(walked: &[Vertex], number: usize) -> Option<Vec<Vertex>> {
-    let mut first = walked[..number].to_vec();
-    if let Some(last) = first.last_mut() {
-        *last = last.scattering()?;
-    }
-    Some(first)
-}
-
-/// Paths whose last point before the lamp is a mirror or glass: a walk from the lamp, joined with one from the camera, or
-/// seen by the camera.
-fn lit_by_glass(scene: &Scene, eye: Vec3, walked: &[Vertex], sampler: &mut Sampler) -> Vec<Chain> {
-    let Some((light, emission)) = scene.emit(sampler) else { return Vec::new() };
-    let mut recorder = Recorder::default();
-    let path = PathState::new(emission.ray, emission.flux);
-    walk(scene, path, Origin::Light, &LIMITS, sampler, &mut recorder);
-    let lamp = match emission.source {
-        Source::Point => Lamp::Point(emission.ray.origin),
-        Source::Parallel => Lamp::Parallel(-emission.ray.direction),
-        Source::Far(_) => Lamp::Far(-emission.ray.direction),
-        Source::Shape(shape, surface) => Lamp::Shape(shape, surface),
-        Source::Hidden => return Vec::new(),
-    };
-    if recorder.0.first().is_none_or(|vertex| Lobes::SMOOTH.contains(vertex.event) || vertex.event == Event::Pass) {
-        return Vec::new();
-    }
-    let chain = |(seen, lit): (usize, usize)| {
-        let (mut between, lit) = (extended(walked, seen)?, extended(&recorder.0, lit)?);
-        between.extend(lit.iter().rev().map(|vertex| Vertex { ior_ratio: 1.0 / vertex.ior_ratio, ..*vertex }));
-        let sampler = sampler.clone();
-        (between.len() <= MOST).then_some(Chain { eye, between, light, lamp, guide: None, sampler })
-    };
-    let lengths = (0..=walked.len()).flat_map(|seen| (2..=recorder.0.len()).map(move |lit| (seen, lit)));
-    lengths.filter_map(chain).collect()
-}
-
-/// How often each thing was seen, so that no test passes for want of it.
-#[derive(Debug, Default)]
-struct Seen {
-    hits: u32,
-    shadow_rays: u32,
-    merges: u32,
-    /// Paths with mirrors or boundaries at their end, and elsewhere.
-    glass: [u32; 2],
-    /// Ways that made between 2 and 98 % of their path.
-    shared: u32,
-}
-
-/// Compares the weights of all ways of the paths that so many walks give.
-#[track_caller]
-fn assert_weights(text: &str, walks: u64) -> Seen {
-    let camera = "camera = { origin = [0.1, 0.3, -0.9], target = [0, -0.4, 0.2], fov = 70 }
-        film = { size = [16, 16] }\n";
-    let text = camera.to_string() + text;
-    let description = read_str("a.toml".as_ref(), &text).unwrap_or_else(|error| panic!("{error}\n{text}")).description;
-    let even = build(&description, &NoAssets).expect("a scene").scene;
-    let guide = Arc::new(guide(&even));
-    let scenes = [(even.guided(guide.clone()), Some(guide)), (even, None)];
-    let mut seen = Seen::default();
-    for (scene, guide) in scenes {
-        compare_all(&scene, &guide, walks, &mut seen);
-    }
-    seen
-}
-
-/// Aims at the balls, and elsewhere, with more photons here than there.
-fn guide(scene: &Scene) -> Guide {
-    let foci = [(-0.4, 0.4), (0.5, 0.35)].map(|(x, radius)| Focus { center: Vec3::new(x, -0.6, 0.25), radius });
-    let cells = |odd: usize| (0..Lesson::CELLS).map(|cell| (1 + cell * odd % 7) as f32).collect();
-    let lesson = |light, focus, share, odd| Lesson { light, focus, share, cells: cells(odd) };
-    let lessons = scene.aimed_lights().flat_map(|(light, _)| {
-        [lesson(light, Some(0), 2.0, 3), lesson(light, Some(1), 1.0, 5), lesson(light, None, 1.0, 11)]
-    });
-    Guide::new(&foci, 1.0, &lessons.collect::<Vec<Lesson>>())
-}
-
-#[track_caller]
-fn compare_all(scene: &Scene, guide: &Option<Arc<Guide>>, walks: u64, seen: &mut Seen) {
-    for index in 0..walks {
-        let mut sampler = Sampler::new(1, 0, purpose::CAMERA, index);
-        let (ray, _) = scene.view(16.0 * sampler.square(), &mut sampler);
-        let mut recorder = Recorder::default();
-        walk(scene, PathState::new(ray, Spectrum::ONE), Origin::Camera, &LIMITS, &mut sampler, &mut recorder);
-        let mut chains = lit_directly(scene, ray.origin, &recorder.0, &sampler);
-        chains.extend(lit_by_glass(scene, ray.origin, &recorder.0, &mut sampler));
-        let chains = chains.into_iter().map(|chain| Chain { guide: guide.clone(), ..chain });
-        for chain in chains.filter(|chain| chain.carries(scene) && chain.leaves_evenly(scene)) {
-            compare(scene, &chain, seen);
-        }
-    }
-}
-
-#[track_caller]
-fn compare(scene: &Scene, chain: &Chain, seen: &mut Seen) {
-    let Some(ways) = chain.ways(scene) else { return };
-    let total: f64 = ways.iter().map(|(_, density)| density * density).sum();
-    let mut sum = 0.0;
-    for &(way, density) in &ways {
-        // None for a shadow ray that does not get there.
-        let Some(weight) = chain.weight(scene, way) else { return };
-        // What is compared is densities, whose squares the weights are.
-        let expected = density / total.sqrt();
-        assert!(
-            (weight.sqrt() - expected).abs() < 1e-3 * expected + 1e-6,
-            "{way:?} has the weight {weight} instead of {}: {ways:?}, {:?}",
-            expected * expected,
-            chain.between
-        );
-        sum += weight;
-        seen.shared += u32::from((0.02..0.98).contains(&weight));
-    }
-    assert!((sum - 1.0).abs() < 1e-3, "the weights sum to {sum}: {ways:?}, {:?}", chain.between);
-    let last = chain.last();
-    for (way, _) in ways {
-        match way {
-            Way::Hit => seen.hits += 1,
-            Way::Shadow => seen.shadow_rays += 1,
-            Way::Merge(_) => seen.merges += 1,
-        }
-    }
-    seen.glass[0] += u32::from(!chain.is_smooth(last - 1));
-    seen.glass[1] += u32::from((1..last - 1).any(|at| !chain.is_smooth(at)));
-}
-
-const WALLS: &str = "
-    [[shapes]]
-    type = 'cube'
-    flip-normal = true
-    material = { type = 'diffuse', reflectance = [0.7, 0.5, 0.3] }\n";
-
-const FLOOR: &str = "
-    [[shapes]]
-    type = 'quad'
-    corner = [-1, -1, -1]
-    u = [0, 0, 2]
-    v = [2, 0, 0]
-    material = { type = 'rough-diffuse', reflectance = 0.8, alpha = 0.4 }\n";
-
-/// One that shines down, and a weaker one that shines to both sides.
-const LAMPS: &str = "
-    [[shapes]]
-    type = 'quad'
-    corner = [-0.4, 0.9, -0.4]
-    u = [0.8, 0, 0]
-    v = [0, 0, 0.8]
-    material = { type = 'diffuse', reflectance = 0.3 }
-    emission = { radiance = [3, 4, 5] }
-    [[shapes]]
-    type = 'quad'
-    corner = [-0.9, -0.5, -0.5]
-    u = [0, 0.8, 0.1]
-    v = [0, 0, 0.8]
-    emission = { radiance = 2, two-sided = true }\n";
-
-fn ball(center: &str, radius: f32, material: &str) -> String {
-    format!("[[shapes]]\ntype = 'sphere'\ncenter = [{center}]\nradius = {radius}\nmaterial = {material}\n")
-}
-
-fn light(settings: &str) -> String {
-    format!("lights = [{{ {settings} }}]\n")
-}
-
-const GLASS: &str = "{ type = 'glass', ior = 1.5 }";
-const PLASTIC: &str = "{ type = 'plastic', reflectance = 0.7 }";
-const ROUGH_PLASTIC: &str = "{ type = 'plastic', reflectance = 0.6, roughness = { alpha = 0.3 } }";
-const ROUGH_GLASS: &str = "{ type = 'glass', ior = 1.4, roughness = { alpha = 0.5 } }";
-
-/// Balls on the floor.
-fn balls(left: &str, right: &str) -> String {
-    ball("-0.4, -0.6, 0.3", 0.4, left) + &ball("0.5, -0.65, 0.2", 0.35, right)
-}
-
-#[test]
-fn weights_sum_to_one_between_smooth_walls_under_lamps() {
-    let seen = assert_weights(&(WALLS.to_string() + LAMPS + &balls(ROUGH_PLASTIC, ROUGH_GLASS)), 600);
-    assert!(seen.hits > 500 && seen.shadow_rays > 500 && seen.merges > 1000 && seen.shared > 1000, "{seen:?}");
-}
-
-#[test]
-fn weights_sum_to_one_where_mirrors_and_glass_lie_between() {
-    let pane = "[[shapes]]\ntype = 'quad'\ncorner = [-1, 0.5, -1]\nu = [0, 0, 2]\nv = [2, 0, 0]
-        material = { type = 'thin-glass', ior = 1.5 }\n";
-    for things in
-        [balls(GLASS, PLASTIC), balls(GLASS, "{ type = 'mirror' }") + pane, balls(PLASTIC, ROUGH_GLASS) + pane]
-    {
-        let seen = assert_weights(&(WALLS.to_string() + LAMPS + &things), 600);
-        assert!(seen.hits > 500 && seen.shadow_rays > 100 && seen.merges > 500 && seen.shared > 500, "{seen:?}");
-        assert!(seen.glass.iter().all(|&paths| paths > 50), "{seen:?}");
-    }
-}
-
-#[test]
-fn weights_sum_to_one_around_a_lamp_in_glass() {
-    let lamp = ball("0.1, -0.3, 0.3", 0.15, "{ type = 'diffuse', reflectance = 0.2 }").replace("[[shapes]]", "");
-    let lamp = format!("[[shapes]]\nemission = {{ radiance = 5 }}{lamp}");
-    let seen = assert_weights(&(WALLS.to_string() + &ball("0.1, -0.3, 0.3", 0.4, GLASS) + &lamp), 600);
-    assert!(seen.hits > 500 && seen.merges > 500 && seen.shared > 500 && seen.glass[0] > 200, "{seen:?}");
-    let point = light("type = 'point', position = [0.2, -0.3, 0.2], intensity = 1");
-    let seen = assert_weights(&(point + WALLS + &ball("0.1, -0.3, 0.3", 0.4, GLASS)), 600);
-    assert!(seen.hits == 0 && seen.merges > 200 && seen.shared > 50 && seen.glass[0] > 200, "{seen:?}");
-}
-
-#[test]
-fn weights_sum_to_one_in_light_of_a_point() {
-    let point = light("type = 'point', position = [-0.4, 0.7, 0.3], intensity = [1, 1.5, 2]");
-    let seen = assert_weights(&(point + WALLS + &balls(GLASS, ROUGH_PLASTIC)), 600);
-    assert!(seen.hits == 0 && seen.shadow_rays > 300 && seen.merges > 500 && seen.shared > 500, "{seen:?}");
-}
-
-#[test]
-fn weights_sum_to_one_under_the_sky() {
-    let sky = light("type = 'constant', radiance = [1, 2, 3]");
-    for things in [balls(GLASS, ROUGH_PLASTIC), balls(PLASTIC, ROUGH_GLASS)] {
-        let seen = assert_weights(&(sky.clone() + FLOOR + &things), 2000);
-        assert!(seen.hits > 300 && seen.shadow_rays > 300 && seen.merges > 200 && seen.shared > 200, "{seen:?}");
-    }
-}
-
-#[test]
-fn weights_sum_to_one_in_parallel_light() {
-    let sun = light("type = 'directional', direction = [0.5, -1, 0.3], irradiance = [3, 2, 1]");
-    let seen = assert_weights(&(sun + FLOOR + &balls(GLASS, ROUGH_PLASTIC)), 2000);
-    assert!(seen.hits == 0 && seen.shadow_rays > 200 && seen.merges > 100 && seen.shared > 100, "{seen:?}");
 }
