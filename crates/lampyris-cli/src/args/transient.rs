@@ -97,8 +97,8 @@ pub struct TransientArguments {
     #[arg(long, value_name = "RATE", value_parser = finite, default_value = "24", allow_negative_numbers = true)]
     pub fps: f32,
 
-    /// For displays: clamp, gamma or filmic; the same for all pictures of a film
-    #[arg(long, value_name = "NAME", default_value = "gamma")]
+    /// For displays: clamp, gamma (2.2) or filmic; the same for all pictures of a film
+    #[arg(long, value_name = "NAME", default_value = "clamp")]
     pub operator: String,
 
     /// For displays: this share of the lit values is darker than white

@@ -59,6 +59,11 @@ impl Look {
         *lit.select_nth_unstable_by(at, f32::total_cmp).1
     }
 
+    /// The same, brightened by the exposure.
+    pub fn exposed_white_of(&self, image: &Image) -> f32 {
+        self.white_of(image) / self.exposure.exp2()
+    }
+
     /// The picture in display light.
     pub fn apply(&self, image: &Image, white: f32) -> Image {
         let scale = if white > 0.0 { 1.0 / white } else { 0.0 };

@@ -203,14 +203,15 @@ fn picture(transient: &Transient, arguments: &TransientArguments, look: &Look, f
         TransientArguments { peak_time: true, .. } => return lengths("peaks", transient.peak_lengths(), is_shown),
         TransientArguments { tof: Some(frequency), .. } => {
             let camera = TimeOfFlight::of_frequency(*frequency, speed)?;
-            print(&format!("depths begin again at {}\n", camera.range()))?;
+            print(&format!("depths begin again at {}\n", camera.range() as f32))?;
             return lengths("depths", camera.depths(transient), is_shown);
         }
         _ => {
             let peaks =
                 transient.picture(|profile| [profile.iter().map(|&value| luminance(value)).fold(0.0, f32::max); 3]);
-            let (image, ends) = transient.rainbow(look.white_of(&peaks));
-            if let Some([first, last]) = ends {
+            let (image, ends) = transient.rainbow(look.exposed_white_of(&peaks));
+            // In single precision, as other lengths are told, and without the dust of the last digits.
+            if let Some([first, last]) = ends.map(|ends| ends.map(|length| length as f32)) {
                 print(&format!("peaks from {first} (red) to {last} (violet)\n"))?;
             }
             return Ok(image);

@@ -10,6 +10,7 @@ mod odd_files;
 mod pictures;
 mod previews;
 mod refusals;
+mod transient;
 
 use std::path::{Path, PathBuf};
 

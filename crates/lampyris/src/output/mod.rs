@@ -9,6 +9,9 @@
 //! | `.ppm` | linear radiance in 65536 steps of the largest value | text, with the `#MAX=` of the course |
 //! | `.png` | display values: radiance cut off at 1, then the sRGB curve | 8 bits a channel |
 //!
+//! Light by pixel and time goes to `.npy` with a `.json`, or `.npz`; its films to animated PNG and GIF, the times of a pixel to
+//! CSV and SVG, captures of relay walls to HDF5.
+//!
 //! A PNG shows what lies in 0..1; bring a picture there first with a [`ToneMap`](crate::tonemap::ToneMap).
 //! Reading knows all of these by their first bytes, whatever the name, and JPEG too; TGA by its ending.
 

@@ -333,7 +333,38 @@ fn value_count(width: usize, height: usize, bins: usize) -> Result<usize> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    /// Any positive number, most often one near the ends of what there is.
+    fn positive() -> impl Strategy<Value = f64> {
+        prop_oneof![1e-3f64..1e3, Just(f64::MIN_POSITIVE), Just(5e-324), Just(f64::MAX), Just(1e-300), Just(1e300)]
+    }
+
+    proptest! {
+        #[test]
+        fn light_of_any_numbers_makes_pictures_or_sentences(
+            values in proptest::collection::vec(any::<f32>(), 2 * 2 * 5 * 3),
+            start in any::<f64>(),
+            (bin_width, light_speed, width, tail) in (positive(), positive(), positive(), positive()),
+            (from, to) in (any::<f64>(), any::<f64>()),
+        ) {
+            let timing = Timing { light_speed, ..Timing::new(start, bin_width) };
+            if let Ok(transient) = Transient::from_values((2, 2, 5), timing, values) {
+                let _ = (transient.steady(), transient.gated(from, to), transient.rainbow(transient.quantile(0.9)));
+                let _ = transient.convolved(&Pulse::ModifiedGaussian { sigma: width, tail });
+                let _ = transient.convolved(&Pulse::Gaussian { fwhm: width });
+                let _ = Table::new(vec![(from, 1.0), (to, 2.0)]).map(|table| transient.convolved(&Pulse::Table(table)));
+                let _ = transient.phasor_frequencies(width, tail).and_then(|chosen| transient.phasors(&chosen));
+                let _ = TimeOfFlight { wavelength: width, contrast: 1.0 }.depths(&transient);
+                let spad = Spad { jitter: width, tail, dark_rate: tail, ..Spad::default() };
+                let _ = (spad.count(&transient, 1), spad.estimate(&transient));
+                let first = Spad { counting: Counting::FirstPhoton, ..spad };
+                let _ = (first.count(&transient, 1), first.estimate(&transient));
+            }
+        }
+    }
 
     /// 2 × 1 pixels with 3 bins; each value tells its place.
     fn sample() -> Transient {

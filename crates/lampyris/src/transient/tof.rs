@@ -1,4 +1,5 @@
-//! A camera with a lamp that throbs: continuous-wave time of flight with four buckets.
+//! A camera with a lamp that throbs: continuous-wave time of flight with four buckets
+//! [Lange & Seitz 2001].
 
 use super::Transient;
 use crate::error::{Error, Result};

@@ -12,14 +12,17 @@ use lampyris::image::Image;
 use lampyris::import::load::{LoadOptions, load};
 use lampyris::import::{Files, Imported};
 use lampyris::integrator::Silent;
-use lampyris::output::{Format, decode, decode_texture, encode, read_layer};
+use lampyris::output::{
+    Format, decode, decode_texture, encode, encode_tal, profile_csv, profile_svg, read_layer, read_transient,
+};
 use lampyris::render::Render;
 use lampyris::scene::build;
 use lampyris::scene::description::{CameraDescription, FilterDescription, IntegratorDescription, SceneDescription};
 use lampyris::tonemap::ToneMap;
+use lampyris::transient::{Pulse, Spad, TimeOfFlight, Timing};
 
 /// The readers, by the names of their fuzz targets and of the folders of their corpora.
-pub const READERS: [&str; 13] = [
+pub const READERS: [&str; 14] = [
     "toml",
     "mitsuba",
     "pbrt",
@@ -33,6 +36,7 @@ pub const READERS: [&str; 13] = [
     "film",
     "spectrum",
     "settings",
+    "transient",
 ];
 
 /// A folder with the files that hostile ones may name, and into which they are written themselves.
@@ -83,6 +87,7 @@ impl Workbench {
             "picture" => self.picture(bytes),
             "film" => film(bytes),
             "settings" => settings(bytes),
+            "transient" => self.transient(bytes),
             other => panic!("there is no reader '{other}'"),
         }
     }
@@ -134,6 +139,38 @@ impl Workbench {
         Ok(())
     }
 
+    /// Light by time: an archive, what stands beside an array (of three pixels by two with four bins), or an array.
+    fn transient(&self, bytes: &[u8]) -> Result<()> {
+        let array = self.folder.join("a.npy");
+        let transient = match bytes {
+            [b'P', b'K', ..] => {
+                self.put("a.npz", bytes)?;
+                read_transient(&self.folder.join("a.npz"), Some(Timing::new(0.0, 1.0)))?
+            }
+            [b'{', ..] => {
+                self.put("a.npy", LIGHT_BY_TIME)?;
+                self.put("a.json", bytes)?;
+                read_transient(&array, None)?
+            }
+            _ => {
+                let _ = fs::remove_file(self.folder.join("a.json"));
+                self.put("a.npy", bytes)?;
+                read_transient(&array, Some(Timing::new(-1.0, 0.1)))?
+            }
+        };
+        if transient.values().len() > 1 << 12 {
+            return Ok(());
+        }
+        let _ = (transient.steady(), transient.gated(0.1, 0.35), transient.rainbow(transient.quantile(0.5)));
+        let _ = (transient.streak_of_row(0), transient.streak_of_column(0), transient.peak_lengths());
+        let _ = (profile_csv(&transient, 0, 0), profile_svg(&transient, 0, 0), encode_tal(&transient));
+        let _ = TimeOfFlight { wavelength: 1.0, contrast: 1.0 }.depths(&transient);
+        let _ = transient.convolved(&Pulse::ModifiedGaussian { sigma: 0.2, tail: 0.1 });
+        let _ = transient.phasors(&[0.0, 2.5]);
+        let _ = Spad::default().estimate(&transient);
+        Spad::default().count(&transient, 0).map(drop)
+    }
+
     /// Builds the scene and renders a little of it with two integrators.
     fn render(&self, mut imported: Imported) -> Result<()> {
         let files = Files::beside(&self.folder.join("a")).with_embedded(std::mem::take(&mut imported.embedded));
@@ -157,6 +194,18 @@ impl Workbench {
         fs::write(self.folder.join(name), bytes)
     }
 }
+
+/// An array of NumPy of shape (2, 3, 4), dark.
+const LIGHT_BY_TIME: &[u8] = &{
+    let header = *b"\x93NUMPY\x01\x00\x42\x00{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }   \n";
+    let mut bytes = [0; 76 + 96];
+    let mut at = 0;
+    while at < header.len() {
+        bytes[at] = header[at];
+        at += 1;
+    }
+    bytes
+};
 
 /// A film without its checksum, which would keep most changes out.
 fn film(bytes: &[u8]) -> Result<()> {
