@@ -7,7 +7,10 @@ use lampyris::checkpoint::{Checkpoint, Identity};
 use lampyris::error::{Error, Result};
 use lampyris::film::{Film, Layer};
 use lampyris::image::Image;
-use lampyris::output::{Fact, Picture, check_path, check_writable, read_whole, write_picture, write_whole};
+use lampyris::output::{
+    Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, read_whole, write_picture,
+    write_transient, write_whole,
+};
 use lampyris::render::Render;
 
 use crate::args::MergeArguments;
@@ -59,12 +62,42 @@ pub fn facts(film: &Checkpoint) -> Vec<(&'static str, Fact)> {
     ]
 }
 
-/// Writes a picture to all of these places, with its layers where a file has room for them.
+/// Writes a picture to all of these places, with its layers where a file has room for them; and if it is that of a film with
+/// time, the bins in place of it where a file has room for those.
 ///
 /// # Errors
 /// Whatever keeps any of them from being written: the others are.
-pub fn write_all(picture: &Picture<'_>, outputs: &[&Path]) -> Result<(), Failure> {
-    Failure::if_any(outputs.iter().filter_map(|path| write_picture(path, picture).err()).collect())
+pub fn write_all(picture: &Picture<'_>, film: Option<&Film>, outputs: &[&Path]) -> Result<(), Failure> {
+    let film = film.filter(|film| film.clock().is_some());
+    let holds_time = |path: &&&Path| film.is_some() && TransientFormat::of(path).is_ok();
+    let (timed, plain): (Vec<&Path>, Vec<&Path>) = outputs.iter().partition(holds_time);
+    let mut faults: Vec<Error> = plain.iter().filter_map(|path| write_picture(path, picture).err()).collect();
+    if let (Some(film), false) = (film, timed.is_empty()) {
+        let transient = film.transient()?;
+        faults.extend(timed.iter().filter_map(|path| write_transient(path, &transient).err()));
+    }
+    Failure::if_any(faults)
+}
+
+/// Finds what would stop a picture from being written to `path`; what only a film with time can be written to is no fault
+/// yet.
+///
+/// # Errors
+/// An unknown extension, and what the operating system says.
+pub fn check_output(path: &Path) -> Result<()> {
+    if check_transient_path(path).is_ok() { check_writable(path) } else { check_path(path) }
+}
+
+/// Finds what of these places has room for a film with time alone, which this is not.
+///
+/// # Errors
+/// The first of them.
+pub fn check_without_time(outputs: &[&Path]) -> Result<()> {
+    outputs.iter().try_for_each(|path| match (check_path(path), TransientFormat::of(path)) {
+        (Err(_), Ok(_)) => Err(Error::new(format!("cannot write '{}': the film has no time bins", path.display()))
+            .with_hint("give the film time, such as by --set time.bins=256")),
+        (checked, _) => checked,
+    })
 }
 
 /// The file that a render keeps its film in.
@@ -106,7 +139,7 @@ impl Keeper {
 /// then.
 pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     for output in &arguments.outputs {
-        if is_film(output) { check_writable(output)? } else { check_path(output)? }
+        if is_film(output) { check_writable(output)? } else { check_output(output)? }
     }
     let mut films = arguments.films.iter();
     let Some(first) = films.next() else { return Ok(()) };
@@ -119,11 +152,18 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     }
     let (pictures, kept): (Vec<_>, Vec<_>) =
         arguments.outputs.iter().map(PathBuf::as_path).partition(|path| !is_film(path));
+    if sum.film().clock().is_none() {
+        check_without_time(&pictures)?;
+    }
     let bytes = if kept.is_empty() { Vec::new() } else { sum.encode() };
     kept.iter().try_for_each(|path| write_whole(path, &bytes))?;
     if !pictures.is_empty() {
         let (image, layers) = self::pictures(sum.film());
-        write_all(&Picture { image: &image, noisy: None, layers: &layers, facts: &facts(&sum) }, &pictures)?;
+        write_all(
+            &Picture { image: &image, noisy: None, layers: &layers, facts: &facts(&sum) },
+            Some(sum.film()),
+            &pictures,
+        )?;
     }
     Ok(print(&format!("{}: {}\n", plural(sum.film().passes() as usize, "pass"), sum.passes()))?)
 }

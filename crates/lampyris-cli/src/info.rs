@@ -160,6 +160,7 @@ fn materials(table: &mut Table, description: &SceneDescription) {
 
 fn kind_of_material(material: &MaterialDescription) -> &'static str {
     match material {
+        MaterialDescription::None {} => "none",
         MaterialDescription::Diffuse { .. } => "diffuse",
         MaterialDescription::Mirror { .. } => "mirror",
         MaterialDescription::Glass { .. } => "glass",

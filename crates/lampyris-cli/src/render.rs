@@ -7,12 +7,14 @@ use std::time::Duration;
 use lampyris::checkpoint::{Checkpoint, Identity};
 use lampyris::denoise::Denoiser;
 use lampyris::error::{Error, Result, Warning};
-use lampyris::film::{Layers, PassSet};
+use lampyris::film::{Clock, Layers, PassSet};
 use lampyris::import::Imported;
 use lampyris::integrator::Silent;
-use lampyris::output::{Fact, Format, Picture, check_path, check_writable};
+use lampyris::output::{Fact, Format, Picture, check_writable};
 use lampyris::render::Render;
 use lampyris::scene::Scene;
+use lampyris::scene::description::FilmDescription;
+use lampyris::transient::SPEED_OF_LIGHT;
 
 use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
@@ -42,6 +44,9 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let snapshots = Snapshots::new(outputs.first().map(PathBuf::as_path).filter(|_| arguments.snapshots))?;
     let mut imported = read(&arguments.scene)?;
     apply(arguments, &mut imported)?;
+    if imported.description.film.time.is_none() {
+        films::check_without_time(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    }
     let pool = pool(arguments.work.threads.map_or(0, usize::from))?;
     let has_picture = arguments.preview.contains(&PreviewTarget::Terminal);
     let display = Display::new(arguments.work.quiet, has_picture);
@@ -94,7 +99,7 @@ fn outputs(arguments: &RenderArguments) -> Result<Vec<PathBuf>> {
         [] => vec![PathBuf::from(arguments.scene.scene.file_stem().unwrap_or_default()).with_extension("png")],
         given => given.to_vec(),
     };
-    outputs.iter().try_for_each(|path| check_path(path))?;
+    outputs.iter().try_for_each(|path| films::check_output(path))?;
     if let Some(stats) = &arguments.stats {
         check_writable(stats)?;
         if outputs.contains(stats) {
@@ -199,6 +204,9 @@ impl Job<'_> {
             Some(begun) => Render::resume(self.scene, description, begun)?,
             None => Render::with_layers(self.scene, description, self.layers, &Silent),
         };
+        if let Some(clock) = render.film().clock() {
+            progress.say(&bins(clock, &description.film));
+        }
         let (mut errors, before) = (ErrorCurve::default(), render.film().passes());
         // A film that is good enough already stays as it is; time is for this run alone.
         let is_done = before > 0 && budget.is_spent(render.film(), Duration::ZERO);
@@ -225,6 +233,13 @@ impl Job<'_> {
         let passes = plural(render.film().passes() as usize, "pass");
         let bias = render.film().bias().map_or_else(String::new, |found| format!(", {}", bias(&found)));
         progress.say(&format!("{passes} in {}; {}{bias}", time(seconds), progress.speed(error)));
+        if let Some([before, after]) = render.film().share_outside_bins() {
+            let shares = [before, after].map(percent);
+            progress.say(&format!(
+                "{} of the light came before the first time bin, {} after the last",
+                shares[0], shares[1]
+            ));
+        }
         // What cannot be written keeps nothing else from it.
         let kept = keeper.map_or(Ok(()), |mut keeper| keeper.write(&render));
         let outputs: Vec<&Path> = self.outputs.iter().map(PathBuf::as_path).collect();
@@ -256,7 +271,7 @@ impl Job<'_> {
             }
             _ => Picture { image: &image, noisy: None, layers: &layers, facts: &facts },
         };
-        films::write_all(&picture, outputs)?;
+        films::write_all(&picture, Some(render.film()), outputs)?;
         denoised?;
         Ok(())
     }
@@ -293,6 +308,20 @@ impl Job<'_> {
             plural(rayon::current_num_threads(), "thread"),
         )
     }
+}
+
+/// The time bins of a film, in its unit and in seconds, and what they take.
+fn bins(clock: &Clock, film: &FilmDescription) -> String {
+    let picoseconds = |length: f64| format!("{:.4} ps", length / SPEED_OF_LIGHT * 1e12);
+    let gib = film.time.as_ref().map_or(0.0, |time| time.bytes(film.size)) / f64::from(1_u32 << 30);
+    format!(
+        "{} time bins of {:.6} ({} in metres) from {:.6} ({}), up to {gib:.2} GiB",
+        clock.bins(),
+        clock.bin_width(),
+        picoseconds(clock.bin_width()),
+        clock.start(),
+        picoseconds(clock.start()),
+    )
 }
 
 fn names(paths: &[&Path]) -> String {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::{Folder, SCENE, program};
 
 /// Every way of rendering, with whatever makes its films differ in kind.
-const WAYS: [&str; 7] = [
+const WAYS: [&str; 8] = [
     "--integrator auto --set photons=500",
     "--integrator path",
     "--integrator path --set samples=3 --set filter=tent --set filter.radius=1.3",
@@ -14,6 +14,7 @@ const WAYS: [&str; 7] = [
     "--integrator photon-map --set filter=tent --set bandwidth=nearest --set direct=photons",
     "--integrator photon-map --set bandwidth=fixed --set radius=0.3",
     "--integrator light --set photons=500 --set filter=tent",
+    "--integrator auto --set photons=500 --set time.bins=9 --set time.variance=true",
 ];
 
 #[test]
@@ -36,6 +37,28 @@ fn films_of_parts_make_the_film_of_the_whole() {
             assert!(folder.read("b.film") == folder.read("whole.film"), "{way}, in the same file");
         }
     }
+}
+
+#[test]
+fn a_film_with_time_is_written_with_its_bins() {
+    let folder = Folder::with_scene(SCENE);
+    let time = "--integrator path --set time.bins=9 --set time.bin-width=0.25 --set time.start=1";
+    let (_, said) =
+        folder.run(&format!("render scene.toml {time} -o a.npy -o a.npz -o a.pfm --checkpoint a.film --passes 2"));
+    assert!(said.contains("9 time bins of 0.25") && said.contains("of the light came before"), "{said}");
+    folder.run("render scene.toml -q --integrator path -o b.pfm --passes 2");
+    assert_eq!(folder.read("a.pfm"), folder.read("b.pfm"), "the picture is the same");
+    let array = folder.read("a.npy");
+    let header = String::from_utf8_lossy(&array[..128]).to_string();
+    assert!(header.contains(", 9, 3), }"), "{header}");
+    let axis: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).expect("JSON");
+    assert_eq!((axis["start_opl"].as_f64(), axis["bin_width_opl"].as_f64()), (Some(1.0), Some(0.25)));
+    folder.run("merge a.film -o c.npy");
+    assert_eq!(folder.read("c.npy"), array);
+    let said = folder.refuse("render scene.toml -o a.npz");
+    assert!(said.contains("the film has no time bins"), "{said}");
+    let said = folder.refuse("render scene.toml -o a.npy --set time.bins=100000000");
+    assert!(said.contains("100000000 time bins") && said.contains("GiB"), "{said}");
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::description::{FilmDescription, TimeDescription, Unwarp};
+use crate::scene::description::{FilmDescription, TimeDescription};
+use crate::transient::Unwarp;
 
 /// The bins of every pixel, all of one width, and one more slot before and one after them for what falls outside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -33,6 +33,7 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
+use crate::transient::{Timing, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
@@ -274,6 +275,20 @@ impl Film {
         let Some(bins) = &self.bins else { return Vec::new() };
         let weight = self.weight(pixel);
         (1..=bins.clock().bins()).map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+    }
+
+    /// [`Film::bins`] of all pixels.
+    ///
+    /// # Errors
+    /// A film without time, or bins that are too many.
+    pub fn transient(&self) -> Result<Transient> {
+        let clock = self.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
+        let timing = Timing { unwarp: clock.unwarp(), ..Timing::new(clock.start(), clock.bin_width()) };
+        let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
+        for (pixel, profile) in transient.profiles_mut().enumerate() {
+            profile.copy_from_slice(&self.bins(pixel));
+        }
+        Ok(transient)
     }
 
     /// The mean over the passes of what arrived at a pixel before the first time bin, and after the last. None without

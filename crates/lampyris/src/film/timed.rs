@@ -2,8 +2,8 @@
 
 use super::{Clock, Features, Layered, Sink};
 use crate::scene::SurfacePoint;
-use crate::scene::description::Unwarp;
 use crate::spectrum::{Basis, Spectrum};
+use crate::transient::Unwarp;
 use crate::transport::PathState;
 
 /// All that [`Layered`] has, and the light once more by the time at which it arrived.

@@ -13,9 +13,10 @@ use crate::film::{Arrival, Clock, Exposure, Kind, Layered, Layers, Plain, Sink, 
 use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
-use crate::scene::description::{FilmDescription, LightSettings, TimeDescription, Unwarp};
+use crate::scene::description::{FilmDescription, LightSettings, TimeDescription};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Unwarp;
 use crate::transport::{Crossing, Limits, MediumPoint, Origin, PathState, Visitor, walk};
 
 /// See the module.

@@ -15,8 +15,9 @@ use crate::film::{Sink, Way};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::SurfacePoint;
-use crate::scene::description::{FilmDescription, IntegratorDescription, Unwarp};
+use crate::scene::description::{FilmDescription, IntegratorDescription};
 use crate::spectrum::Spectrum;
+use crate::transient::Unwarp;
 use crate::transport::{Limits, Origin, PathState, walk};
 
 /// Paths from the camera, and from the lamps.

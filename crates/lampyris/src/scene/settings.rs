@@ -255,9 +255,8 @@ fn completed<'t>(form: &Form<'_>, text: &'t str) -> Cow<'t, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{
-        BandwidthRule, FilterDescription, FovAxis, KernelName, Show, TimeDescription, Unwarp,
-    };
+    use crate::scene::description::{BandwidthRule, FilterDescription, FovAxis, KernelName, Show, TimeDescription};
+    use crate::transient::Unwarp;
 
     fn scene() -> SceneDescription {
         let integrator = IntegratorDescription::PhotonMap(PhotonMapSettings::default());

@@ -19,6 +19,9 @@ pub use views::rainbow_color;
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::image::Image;
 
@@ -54,14 +57,16 @@ impl Axis {
 
 /// Which part of a path does not count in its length. Without the way from the scene to the camera, light is seen where it
 /// is at a time, and not when it is seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Unwarp {
-    /// All of the path counts.
+    /// All of the path counts: what a camera would see.
     #[default]
     None,
-    /// The way from the camera to the first surface does not count (mitransient's `camera_unwarp`).
+    /// The way from the camera to the first surface, a mirror or glass as well, does not count (mitransient's
+    /// `camera_unwarp`).
     FirstSurface,
-    /// The last leg to the camera does not count, from a surface or a medium.
+    /// The last leg to the camera does not count, from the first surface or from where a medium scattered the light last.
     LastSegment,
 }
 

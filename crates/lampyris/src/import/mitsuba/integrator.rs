@@ -4,7 +4,10 @@ use super::Importer;
 use super::document::Kind;
 use super::query::Query;
 use crate::error::Result;
-use crate::scene::description::{AutoSettings, IntegratorDescription, LightSettings, PhotonMapSettings};
+use crate::scene::description::{
+    AutoSettings, IntegratorDescription, LightSettings, PhotonMapSettings, TimeDescription,
+};
+use crate::transient::Unwarp;
 
 impl<'a> Importer<'a> {
     /// The first integrator of the scene. Whatever finds all light there becomes the default here, of its depth.
@@ -38,6 +41,10 @@ impl<'a> Importer<'a> {
         };
         let integrator = match plugin {
             "path" | "volpath" | "volpathmis" | "prbvolpath" => auto(max_bounces),
+            "transient_path" | "transient_prbvolpath" | "transient_nlos_path" => {
+                self.transient(query)?;
+                auto(if query.has("max_depth") { max_bounces } else { Some(TRANSIENT_BOUNCES) })
+            }
             // Emission and one scattering event: all paths are cut after the first.
             "direct" => {
                 query.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
@@ -58,6 +65,22 @@ impl<'a> Importer<'a> {
         };
         self.leftovers(query);
         Ok(integrator)
+    }
+
+    /// What integrators of mitransient have in common: the film has its time.
+    fn transient(&mut self, query: Query) -> Result<()> {
+        // Only the box was ever there.
+        query.ignore(&["temporal_filter", "gaussian_stddev"]);
+        if query.boolean("camera_unwarp", false)? {
+            let unwarp = Unwarp::FirstSurface;
+            self.description().film.time = Some(TimeDescription { unwarp, ..TimeDescription::default() });
+        }
+        for name in ["discard_direct_light", "discard_direct_paths"] {
+            if query.boolean(name, false)? {
+                self.warn(query.spot(name), format!("'{name}' is not supported: direct light is in the film, too"));
+            }
+        }
+        Ok(())
     }
 
     /// The integrator inside those that only do something with the result of another.
@@ -84,6 +107,9 @@ impl<'a> Importer<'a> {
         }
     }
 }
+
+/// The depth of mitransient's integrators where the file gives none, of 6 edges.
+const TRANSIENT_BOUNCES: u32 = 5;
 
 /// The photon mappers of 0.x. A radius of 0 is one that the program chooses.
 fn photon_map(query: Query, max_bounces: Option<u32>) -> Result<IntegratorDescription> {

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::one;
+use crate::transient::{SPEED_OF_LIGHT, Unwarp};
 
 /// The size of the picture and how samples become pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -22,9 +23,6 @@ impl Default for FilmDescription {
         FilmDescription { size: [512, 512], filter: FilterDescription::default(), time: None }
     }
 }
-
-/// In vacuum, in m/s: scene units are metres where time is in seconds.
-pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
 /// The time bins of every pixel. Time is optical path length, Σ index × distance, in scene units.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -88,20 +86,6 @@ impl TimeDescription {
     pub fn bin_width(&self) -> Option<f64> {
         self.bin_width.or(self.bin_width_seconds.map(|seconds| SPEED_OF_LIGHT * seconds))
     }
-}
-
-/// What of the way from lamp to camera does not count, so that light is seen at the time at which it is where it is seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Unwarp {
-    /// All of it counts: what a camera would see.
-    #[default]
-    None,
-    /// The way from the camera to the first surface, a mirror or glass as well, does not count.
-    FirstSurface,
-    /// The last segment of the way to the camera does not count: from the first surface, or from where a medium scattered
-    /// the light last.
-    LastSegment,
 }
 
 /// A reconstruction filter; sizes in pixels.

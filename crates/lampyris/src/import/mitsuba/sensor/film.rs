@@ -6,7 +6,8 @@ use crate::error::Result;
 use crate::import::mitsuba::Importer;
 use crate::import::mitsuba::document::Kind;
 use crate::import::mitsuba::query::Query;
-use crate::scene::description::{FilmDescription, FilterDescription};
+use crate::scene::description::{FilmDescription, FilterDescription, TimeDescription};
+use crate::transient::Unwarp;
 
 /// The part of the picture that is drawn, in pixels from the top left corner.
 pub(super) struct Window {
@@ -61,7 +62,12 @@ impl Importer<'_> {
             "key",
             "burn",
         ]);
-        let known = matches!(query.object.plugin.as_str(), "hdrfilm" | "ldrfilm" | "mfilm" | "specfilm");
+        let plugin = query.object.plugin.as_str();
+        let unwarp = self.description().film.time.take().map_or(Unwarp::None, |time| time.unwarp);
+        if matches!(plugin, "transient_hdr_film" | "phasor_hdr_film") {
+            film.time = Some(self.time(query, unwarp)?);
+        }
+        let known = film.time.is_some() || matches!(plugin, "hdrfilm" | "ldrfilm" | "mfilm" | "specfilm");
         if known {
             self.leftovers(query);
         } else {
@@ -71,6 +77,32 @@ impl Importer<'_> {
         self.note_all("film", query, &[("size", "width")]);
         self.description().film = film;
         Ok(window)
+    }
+
+    /// The time bins of mitransient's films.
+    fn time(&mut self, query: Query, unwarp: Unwarp) -> Result<TimeDescription> {
+        // Their defaults where the file gives none.
+        let bins = query.count("temporal_bins", 1)?.unwrap_or(2048);
+        let bin_width = Some(query.float("bin_width_opl", 0.003)?);
+        let start = Some(query.float("start_opl", 0.0)?);
+        let unwarps = unwarp != Unwarp::None || query.boolean("camera_unwarp", false)?;
+        if query.boolean("exhaustive_scan", false)? {
+            self.warn(query.spot("exhaustive_scan"), "'exhaustive_scan' is not supported: the laser stays where it is");
+        }
+        query.ignore(&["laser_scan_width", "laser_scan_height", "auto_detect_bins"]);
+        if query.object.plugin == "phasor_hdr_film" {
+            query.ignore(&["wl_mean", "wl_sigma"]);
+            let message =
+                "'phasor_hdr_film' is not supported: time bins are kept, of which 'lampyris transient' makes phasors";
+            self.warn(query.object.spot, message);
+        }
+        let unwarp = if unwarps { Unwarp::FirstSurface } else { Unwarp::None };
+        self.note_all(
+            "film.time",
+            query,
+            &[("bins", "temporal_bins"), ("bin-width", "bin_width_opl"), ("start", "start_opl")],
+        );
+        Ok(TimeDescription { bins, bin_width, start, unwarp, ..TimeDescription::default() })
     }
 
     fn filter(&mut self, object: usize) -> Result<FilterDescription> {

@@ -11,6 +11,7 @@ mod odd;
 mod parts;
 mod real_files;
 mod textures;
+mod transients;
 mod views;
 
 use std::collections::HashMap;

@@ -56,13 +56,6 @@ fn what_films_say_of_their_files_does_not_matter() {
 }
 
 #[test]
-fn a_transient_film_is_one_of_its_size() {
-    let film = "<film type='transient_hdr_film'><integer name='width' value='12'/><integer name='temporal_bins' value='9'/></film>";
-    let imported = taken(&format!("<sensor type='perspective'>{film}</sensor>"), 1);
-    assert_eq!(imported.description.film.size[0], 12);
-}
-
-#[test]
 fn look_at_is_spelt_in_three_ways() {
     for step in ["lookat", "lookAt", "look_at"] {
         let content = format!(
