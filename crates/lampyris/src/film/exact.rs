@@ -73,7 +73,7 @@ impl ExactSums {
         value: impl Fn(&T, usize) -> f64 + Sync,
     ) {
         let chunk = group * CHUNK;
-        let add = |(number_of_chunk, ((high, low), top)): (usize, ((&mut [i64], &mut [i64]), &mut [u8]))| {
+        let add = |number_of_chunk: usize, high: &mut [i64], low: &mut [i64], top: &mut [u8]| {
             let first = number_of_chunk * CHUNK;
             let from = items.partition_point(|item| number(item) < first);
             for item in items[from..].iter().take_while(|item| number(item) < first + CHUNK) {
@@ -84,7 +84,8 @@ impl ExactSums {
             }
         };
         let chunks = self.high.par_chunks_mut(chunk).zip(self.low.par_chunks_mut(chunk));
-        chunks.zip(self.top.par_chunks_mut(chunk)).enumerate().for_each(add);
+        let chunks = chunks.zip(self.top.par_chunks_mut(chunk)).enumerate();
+        chunks.for_each(|(number, ((high, low), top))| add(number, high, low, top));
     }
 
     /// Adds what was added to others: the same as adding it here.

@@ -55,7 +55,7 @@ impl Integrator for LightTracing {
                 let light = scene.basis().to_rgb(light * (scale * share));
                 exposure.add(pixel as usize, light, kind);
                 if let Some(clock) = &clock {
-                    arrivals.push(Arrival { pixel: pixel as u32, slot: clock.slot(optical_length), light });
+                    arrivals.push(Arrival { pixel, slot: clock.slot(optical_length), light });
                 }
             }
         }

@@ -42,18 +42,20 @@ fn tentative(
     let most = matter.extinction.max();
     cloud.along(ray, distance, |from, to, bound| {
         let bound = bound * most;
+        if bound <= 0.0 {
+            return true;
+        }
         let mut t = from;
-        while bound > 0.0 {
+        loop {
             t -= (1.0 - sampler.independent()).ln() / bound;
             if t >= to {
-                break;
+                return true;
             }
             let share = matter.extinction_at(ray.at(t)) / bound;
             if !visit(t, share, sampler) {
                 return false;
             }
         }
-        true
     });
 }
 
