@@ -78,6 +78,10 @@ const EVENNESS: f32 = 0.4;
 /// photons save them.
 const LEAST_SHARE: f32 = 0.05;
 
+/// So many photons in media a pass, whatever the picture's size: the price of a ray grows with them, and passes are many;
+/// measured.
+const ENOUGH_BEAMS: f64 = 16_384.0;
+
 /// What is learned is used if it is worth so many times as many photons.
 const LEAST_GAIN: f32 = 1.5;
 
@@ -201,7 +205,8 @@ impl Pilot {
     ) -> Option<VolumeEstimate> {
         let (volume, radius, alpha) = (settings.volume, settings.volume_radius, None);
         let (kernel, shrinks, count) = (Kernel::Epanechnikov, true, VOLUME_COUNT);
-        let wishes = Wishes { volume, radius, alpha, kernel, shrinks, count };
+        let enough = settings.photons.is_none().then_some(ENOUGH_BEAMS);
+        let wishes = Wishes { volume, radius, alpha, kernel, shrinks, count, enough };
         let photons = Photons { paths: self.paths, max_bounces: settings.max_bounces, direct: false, volume: None };
         VolumeEstimate::new(scene, film, wishes, photons, seed, observer)
     }

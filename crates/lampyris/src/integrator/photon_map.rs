@@ -53,6 +53,7 @@ impl PhotonMapping {
             kernel: settings.kernel,
             shrinks: settings.bandwidth != BandwidthRule::Fixed,
             count: settings.k as usize,
+            enough: None,
         };
         let volume = VolumeEstimate::new(scene, film, wishes, photons(&settings, None), seed, observer);
         PhotonMapping { settings, pilot: Pilot { radius, volume }, bandwidth }

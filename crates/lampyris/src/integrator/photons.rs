@@ -43,12 +43,13 @@ impl Photons {
         let Photons { paths, max_bounces, direct, .. } = *self;
         // A block has some thousand paths and most paths a photon or two; growing would copy them.
         let photons = || Vec::with_capacity(2 * BLOCK as usize);
-        let volume = self.volume.map_or(Volume::Points, |estimate| estimate.volume);
-        let beams = Vec::new;
+        let (volume, volume_paths) =
+            self.volume.map_or((Volume::Points, 0), |estimate| (estimate.volume, estimate.paths.min(paths)));
         let new = || Deposit {
             photons: photons(),
-            beams: beams(),
+            beams: Vec::new(),
             volume,
+            volume_paths,
             direct,
             max_bounces,
             path: 0,
@@ -60,7 +61,7 @@ impl Photons {
         let (blocks, beams): (Vec<Vec<Photon>>, Vec<_>) =
             blocks.into_iter().map(|block| (block.photons, block.beams)).unzip();
         let surface = PhotonMap::from_blocks(&blocks, paths, radius);
-        let volume = self.volume.filter(|_| scene.has_media()).map(|estimate| estimate.map(beams, paths, pass));
+        let volume = self.volume.filter(|_| scene.has_media()).map(|estimate| estimate.map(beams, volume_paths, pass));
         let left = surface.photons().len() + volume.as_ref().map_or(0, |map| map.beams().len());
         observer.work(&Work { photons: left as u64, ..Work::default() });
         Maps { surface, volume }

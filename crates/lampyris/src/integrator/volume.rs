@@ -29,6 +29,8 @@ pub(super) struct VolumeEstimate {
     pub radius: f32,
     /// Which shrinks so slowly; none if it stays.
     pub alpha: Option<f32>,
+    /// By photons of so many light paths of a pass, at most.
+    pub paths: u64,
 }
 
 /// What a user may say of it.
@@ -42,6 +44,8 @@ pub(super) struct Wishes {
     pub shrinks: bool,
     /// How many photons a typical ray finds.
     pub count: usize,
+    /// So many photons in media are enough for a pass.
+    pub enough: Option<f64>,
 }
 
 /// Beams where light flies on average farther than this many radii: beyond, points have less noise for their price
@@ -50,6 +54,9 @@ const FREE_FLIGHT: f32 = std::f32::consts::FRAC_PI_2;
 
 /// Light paths of the pilot, at most: enough to know distances by.
 const PILOT_PATHS: u64 = 50_000;
+
+/// And as many as tell how many photons a path leaves.
+const FEW_PATHS: u64 = 1024;
 
 /// Rays of the pilot.
 const RAYS: u64 = 128;
@@ -74,7 +81,10 @@ impl VolumeEstimate {
                 Volume::Balls => 4.0 / 7.0,
             };
             let alpha = wishes.shrinks.then(|| wishes.alpha.unwrap_or(optimum));
-            let estimate = VolumeEstimate { volume, kernel: wishes.kernel, radius: 1.0, alpha };
+            let estimate = VolumeEstimate { volume, kernel: wishes.kernel, radius: 1.0, alpha, paths: u64::MAX };
+            let paths = wishes.enough.map_or(u64::MAX, |enough| estimate.paths(scene, enough, photons, seed, observer));
+            let (estimate, photons) =
+                (VolumeEstimate { paths, ..estimate }, Photons { paths: photons.paths.min(paths), ..photons });
             let radius = wishes.radius.unwrap_or_else(|| {
                 estimate.measure(scene, film, wishes.count, photons, seed, observer).unwrap_or_else(|| fallback(scene))
             });
@@ -94,7 +104,7 @@ impl VolumeEstimate {
     /// Whether it can have been chosen so: films come from anywhere.
     pub(super) fn is_fit(&self) -> bool {
         let alpha = self.alpha.is_none_or(|alpha| (0.0..=1.0).contains(&alpha));
-        self.radius.is_finite() && self.radius > 0.0 && alpha
+        self.radius.is_finite() && self.radius > 0.0 && alpha && self.paths > 0
     }
 
     /// The radius in a pass.
@@ -111,6 +121,16 @@ impl VolumeEstimate {
     /// The map of a pass.
     pub(super) fn map(&self, blocks: Vec<Vec<Beam>>, paths: u64, pass: &Pass) -> VolumeMap {
         VolumeMap::new(blocks, paths, self.volume, self.kernel, self.radius_in(pass))
+    }
+
+    /// How many light paths leave so many photons in media.
+    fn paths(&self, scene: &Scene, enough: f64, photons: Photons, seed: u64, observer: &dyn Observer) -> u64 {
+        let few = photons.paths.min(FEW_PATHS);
+        let photons = Photons { paths: few, volume: Some(*self), ..photons };
+        let maps = photons.maps(scene, &Pass { index: PASS, seed }, Radius::Fixed(1.0), || None, observer);
+        let left = maps.volume.map_or(0, |map| map.beams().len());
+        // None at all may be chance: then there can be as many as there are paths.
+        ((enough * few as f64 / left as f64) as u64).max(1)
     }
 
     /// The radius within which a typical ray finds so many photons of a pass.

@@ -19,6 +19,8 @@ pub struct Deposit<'s> {
     pub beams: Vec<Beam>,
     /// What is stored in media: where light flies, or where it meets a particle.
     pub volume: Volume,
+    /// By the paths before this number alone.
+    pub volume_paths: u64,
     /// Whether light that comes straight from a lamp is stored, too.
     pub direct: bool,
     /// The longest light path from lamp to eye, in scattering events.
@@ -73,7 +75,7 @@ impl<'s> Instead<'s> {
 impl Deposit<'_> {
     /// Whether light that a path leaves in a medium can come to the camera.
     fn readable_in(&self, matter: &Matter, path: &PathState) -> bool {
-        path.bounce < self.max_bounces && !matter.scattering.is_zero()
+        u64::from(self.path) < self.volume_paths && path.bounce < self.max_bounces && !matter.scattering.is_zero()
     }
 
     /// Whether a photon is wanted here, if there is a smooth lobe.

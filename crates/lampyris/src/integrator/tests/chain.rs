@@ -297,6 +297,7 @@ impl Chain {
             photons: Vec::new(),
             beams: Vec::new(),
             volume: Volume::Points,
+            volume_paths: 1,
             direct: false,
             max_bounces,
             path: 0,
