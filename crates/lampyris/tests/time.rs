@@ -490,25 +490,30 @@ fn all_ways_agree_on_when_light_arrives() {
     }
 }
 
-/// Light that fog scatters once has a closed form in time: L(s) = 2 σs p I e^(−σt s) / ((s − z0)² + h²), here integrated over
-/// bins by quadrature, for σs = 0.8, σt = 1, h = 0.5, z0 = 1 and a lamp of 1 W.
-#[test]
-fn light_in_fog_arrives_as_the_closed_form_says() {
-    const EXPECTED: [f64; 5] = [1.441_44e-3, 1.669_03e-3, 7.977_06e-4, 3.909_34e-4, 2.033_06e-4];
-    let text = "
+/// A ray that passes a lamp of 1 W at a distance of h = 0.5 after z0 = 1.
+const FOG: &str = "
         camera = { origin = [0, 0, 0], target = [0, 0, 1], fov = 0.01 }
         film = { size = [1, 1] }
         lights = [{ type = 'point', position = [0.5, 0, 1], power = 1 }]
         medium = 'fog'
         media = { fog = { type = 'homogeneous', sigma-t = 1, albedo = 0.8 } }\n";
-    for (way, bias) in [
-        ("path samples=400", 0.0),
-        ("photon-map volume=beams volume-radius=0.02 bandwidth=fixed radius=1 photons=8000", 0.01),
-        ("photon-map volume=points volume-radius=0.06 bandwidth=fixed radius=1 photons=40000", 0.03),
-        ("photon-map volume=balls volume-radius=0.1 bandwidth=fixed radius=1 photons=20000 samples=64", 0.05),
-    ] {
+
+/// Ways to see light in fog, and how much their kernels blur.
+const IN_FOG: [(&str, f64); 4] = [
+    ("path samples=400", 0.0),
+    ("photon-map volume=beams volume-radius=0.02 bandwidth=fixed radius=1 photons=8000", 0.01),
+    ("photon-map volume=points volume-radius=0.06 bandwidth=fixed radius=1 photons=40000", 0.03),
+    ("photon-map volume=balls volume-radius=0.1 bandwidth=fixed radius=1 photons=20000 samples=64", 0.05),
+];
+
+/// Light that fog scatters once has a closed form in time: L(s) = 2 σs p I e^(−σt s) / ((s − z0)² + h²), here integrated over
+/// bins by quadrature, for σs = 0.8, σt = 1, h = 0.5, z0 = 1 and a lamp of 1 W.
+#[test]
+fn light_in_fog_arrives_as_the_closed_form_says() {
+    const EXPECTED: [f64; 5] = [1.441_44e-3, 1.669_03e-3, 7.977_06e-4, 3.909_34e-4, 2.033_06e-4];
+    for (way, bias) in IN_FOG {
         let settings = format!("integrator={way} max-bounces=1");
-        let found = slots(&lit(text, &(settings.clone() + &bins(5, 1.0, 0.25))), 40);
+        let found = slots(&lit(FOG, &(settings.clone() + &bins(5, 1.0, 0.25))), 40);
         assert!(found[0].iter().all(|&light| light == 0.0), "{way}");
         for (bin, expected) in EXPECTED.into_iter().enumerate() {
             assert_mean(
@@ -518,6 +523,32 @@ fn light_in_fog_arrives_as_the_closed_form_says() {
                 bias * expected,
                 if bias > 0.0 { 2.0 } else { 0.5 },
             );
+        }
+    }
+}
+
+/// The same without the way from where it was scattered to the camera: by the distance of that place to the lamp, which is at
+/// least h.
+#[test]
+fn light_in_fog_is_seen_where_it_is_without_the_way_to_the_camera() {
+    const STEP: f64 = 1e-4;
+    let mut expected = [0.0; 3];
+    for t in (0..300_000).map(|step| STEP * (f64::from(step) + 0.5)) {
+        let distance = 0.5_f64.hypot(t - 1.0);
+        let light = 0.8 / (4.0 * std::f64::consts::PI).powi(2) * (-t - distance).exp() / distance.powi(2) * STEP;
+        if let Some(bin) = expected.get_mut(((distance - 0.45) / 0.25) as usize) {
+            *bin += light;
+        }
+    }
+    for (way, bias) in IN_FOG {
+        for unwarp in ["first-surface", "last-segment"] {
+            let settings = format!("integrator={way} max-bounces=1 time.unwarp={unwarp}{}", bins(3, 0.45, 0.25));
+            let found = slots(&lit(FOG, &settings), 40);
+            assert!(bias > 0.0 || found[0].iter().all(|&light| light == 0.0), "{way}");
+            for (bin, expected) in expected.into_iter().enumerate() {
+                let power = if bias > 0.0 { 2.0 } else { 0.5 };
+                assert_mean(&format!("{way}, {unwarp}, bin {bin}"), &found[bin + 1], expected, bias * expected, power);
+            }
         }
     }
 }

@@ -24,6 +24,10 @@ pub trait Sink: Clone + Send + Sync {
     /// The path of a sample has reached a surface; it is told of all, in their order.
     fn surface(&mut self, _point: &SurfacePoint, _path: &PathState) {}
 
+    /// The path of a sample has met no surface yet, and the light that follows comes to it from a particle of a medium, at this
+    /// optical length. Only for those that are [`Sink::TIMED`].
+    fn particle(&mut self, _optical_length: f64) {}
+
     /// Adds radiance of light that has been scattered so many times, or more often where that is not known to be less
     /// than two, on a path of this optical length, in scene units.
     fn add(&mut self, light: Spectrum, events: u32, optical_length: f64);

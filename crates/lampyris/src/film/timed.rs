@@ -70,7 +70,8 @@ impl Timed {
 /// How much of the way of light to the camera counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Way {
-    /// Optical length of a sample's path from the camera to the first surface, or to the last hole on the way there.
+    /// Optical length of a sample's path from the camera to the first surface, or to the last hole on the way there; or to
+    /// the particle before it from which the next light comes.
     first_leg: Option<f64>,
 }
 
@@ -80,6 +81,11 @@ impl Way {
         if path.bounce == 0 {
             self.first_leg = Some(path.optical_length);
         }
+    }
+
+    /// The path of a sample has met no surface, and light comes to it from a particle at this optical length.
+    pub(crate) fn particle(&mut self, optical_length: f64) {
+        self.first_leg = Some(optical_length);
     }
 
     /// What counts of a path of this optical length.
@@ -110,6 +116,10 @@ impl Sink for Timed {
     fn surface(&mut self, point: &SurfacePoint, path: &PathState) {
         self.layered.surface(point, path);
         self.way.surface(path);
+    }
+
+    fn particle(&mut self, optical_length: f64) {
+        self.way.particle(optical_length);
     }
 
     fn add(&mut self, light: Spectrum, events: u32, optical_length: f64) {

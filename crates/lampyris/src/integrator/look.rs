@@ -301,6 +301,9 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
     }
 
     fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> bool {
+        if S::TIMED && path.bounce == 0 {
+            self.sink.particle(path.optical_length);
+        }
         if path.bounce < self.max_bounces {
             let weight = |illumination: &Illumination| {
                 illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, point.value(illumination.to_light)))

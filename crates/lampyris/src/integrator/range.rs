@@ -126,6 +126,12 @@ impl Sink for Heard {
         self.way.surface(path);
     }
 
+    const TIMED: bool = true;
+
+    fn particle(&mut self, optical_length: f64) {
+        self.way.particle(optical_length);
+    }
+
     fn add(&mut self, light: Spectrum, _: u32, optical_length: f64) {
         self.arrivals.push((self.way.counted(optical_length, self.unwarp), f64::from(light.mean())));
     }

@@ -221,12 +221,15 @@ pub(super) fn gather<S: Sink>(
 ) {
     // The event in which the photons are read is one of the path's, too.
     let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
-    map.gather(segment, path.ior, sampler, |beam, light, way| {
+    map.gather(segment, path.ior, sampler, |beam, light, [leg, way]| {
         if u32::from(beam.bounce) > most {
             return;
         }
         let light = path.throughput * light;
         tell(beam, light);
+        if S::TIMED && path.bounce == 0 {
+            sink.particle(path.optical_length + leg);
+        }
         sink.add(light, path.bounce + 1 + u32::from(beam.bounce), path.optical_length + way);
         if S::LAYERED && path.bounce == 0 && beam.is_caustic() {
             sink.was_caustic(light);

@@ -143,18 +143,19 @@ impl VolumeMap {
     }
 
     /// Tells of each photon that shines along a segment of a path from the camera: with the radiance that it sends to the
-    /// segment's start, and the optical length of the whole way from the lamp to there, where space has this index.
+    /// segment's start, and the optical lengths of the way from where it shines to there, and of the whole way from the lamp,
+    /// where space has this index.
     pub fn gather(
         &self,
         segment: &Segment,
         ior: f32,
         sampler: &mut Sampler,
-        mut tell: impl FnMut(&Beam, Spectrum, f64),
+        mut tell: impl FnMut(&Beam, Spectrum, [f64; 2]),
     ) {
         let unit = 1.0 / self.paths_emitted as f32;
         let mut tell = |beam: &Beam, light: Spectrum, t: f32, further: f32| {
             let way = beam.optical_length / f64::from(beam.ior) + f64::from(t) + f64::from(further);
-            tell(beam, light * unit, f64::from(ior) * way);
+            tell(beam, light * unit, [f64::from(t), way].map(|way| f64::from(ior) * way));
         };
         match self.volume {
             Volume::Beams => self.crossings(segment, sampler, tell),
