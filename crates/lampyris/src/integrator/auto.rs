@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::camera_pass;
+use super::blocks::{Eye, camera_pass};
 use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
@@ -17,13 +17,14 @@ use super::photons::{Maps, Photons};
 use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
-use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
+use crate::film::{Exposure, Layers, Sink};
 use crate::light::Guide;
 use crate::material::Lobes;
 use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
+use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::{AutoSettings, FilmDescription};
-use crate::transport::{Limits, Origin, walk};
+use crate::transport::{Limits, Origin, PathState, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -114,27 +115,23 @@ impl Auto {
     fn merging(&self, pass: &Pass) -> Merging {
         self.pilot.merging(shrunk::<2>(pass.index, self.settings.alpha))
     }
+}
 
-    fn look<S: Sink>(
-        &self,
-        empty: S,
-        scene: &Scene,
-        film: &FilmDescription,
-        pass: &Pass,
-        observer: &dyn Observer,
-    ) -> Exposure {
-        let scene = &*guided(scene, &self.guide);
-        let merging = self.merging(pass);
-        let Maps { surface, volume } =
-            photon_maps(scene, &merging, self.pilot.volume, self.settings.max_bounces, pass, observer);
-        observer.phase(Phase::Camera);
-        let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, empty, |path, sampler, found, sink| {
-            let merge = Merge::new(&surface, merging, found);
-            let mut look = Look::merging(scene, limits.max_bounces, sink, merge, volume.as_ref());
-            walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
-        })
+/// Follows paths that merge with the photons of a pass.
+struct Merged<'a> {
+    scene: &'a Scene,
+    maps: Maps,
+    merging: Merging,
+    limits: Limits,
+}
+
+impl Eye for Merged<'_> {
+    type Working = Nearest;
+
+    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
+        let merge = Merge::new(&self.maps.surface, self.merging, found);
+        let mut look = Look::merging(self.scene, self.limits.max_bounces, sink, merge, self.maps.volume.as_ref());
+        walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }
 
@@ -338,15 +335,19 @@ impl Integrator for Auto {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure {
-        match (Clock::of(film), layers.is_empty()) {
-            (None, true) => self.look(Plain::default(), scene, film, pass, observer),
-            (None, false) => self.look(Layered::default(), scene, film, pass, observer),
-            (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, observer),
-        }
+        let scene = &*guided(scene, &self.guide);
+        let (merging, max_bounces) = (self.merging(pass), self.settings.max_bounces);
+        let maps = photon_maps(scene, &merging, self.pilot.volume, max_bounces, pass, observer);
+        observer.phase(Phase::Camera);
+        let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+        let eye = Merged { scene, maps, merging, limits };
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye)
     }
 
     fn area(&self, pass: &Pass) -> Option<f64> {
-        Some(f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
+        // What blurs media shrinks at another rate: two kinds of bias cannot be told by one.
+        let is_alone = self.pilot.volume.is_none();
+        is_alone.then(|| f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
     }
 
     fn name(&self) -> &'static str {

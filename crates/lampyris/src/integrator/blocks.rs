@@ -6,7 +6,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
-use crate::film::{Band, Exposure, Sink, Sums};
+use crate::film::{Band, Clock, Exposure, Layered, Layers, Plain, Sink, Sums, Timed};
 use crate::light::{Emission, LightId};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
@@ -14,26 +14,66 @@ use crate::scene::description::FilmDescription;
 use crate::spectrum::Spectrum;
 use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
 
-/// Walks from the camera: calls `sample` for every sample of every pixel, with its path at the start, the working space of
-/// its row that `new` makes, and a sink like `empty`, and takes the mean by the film's filter. `sample` returns the number of
-/// rays that it traced.
-#[allow(clippy::too_many_arguments, reason = "each is another part of what a pass is")]
-pub(super) fn camera_pass<W, S: Sink>(
+/// What becomes of a path from the camera.
+pub(super) trait Eye: Sync {
+    /// What the paths of a row have in common, such as lists that would otherwise be made anew for each.
+    type Working: Default;
+
+    /// Follows a path and leaves its light at `sink`. Returns the number of rays that it traced.
+    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, working: &mut Self::Working, sink: &mut S) -> u32;
+}
+
+/// Walks from the camera: shows `eye` so many samples of every pixel, and takes the mean by the film's filter, with the time
+/// at which light arrives where the film has time, and with what these layers need.
+pub(super) fn camera_pass(
     scene: &Scene,
     film: &FilmDescription,
     pass: &Pass,
     samples: u32,
+    layers: Layers,
     observer: &dyn Observer,
-    new: impl Fn() -> W + Sync,
-    empty: S,
-    sample: impl Fn(PathState, &mut Sampler, &mut W, &mut S) -> u32 + Sync,
+    eye: &impl Eye,
 ) -> Exposure {
-    let [width, height] = film.size.map(|side| side as usize);
-    // What is spread comes from pixels around the picture, too.
-    let reach = if film.filter.spreads() { film.filter.reach() as usize } else { 0 };
-    let row = |y: usize| {
-        let (mut working, mut rays) = (new(), 0);
-        let (mut band, mut sink) = (Band::new(width, reach, &empty), empty.clone());
+    let rows = Rows { scene, film, pass, samples, observer };
+    match (Clock::of(film), layers.is_empty()) {
+        (None, true) => rows.expose(&Plain::default(), eye),
+        (None, false) => rows.expose(&Layered::default(), eye),
+        (Some(clock), none) => rows.expose(&Timed::new(clock, !none), eye),
+    }
+}
+
+/// The pixels of a pass, row by row.
+struct Rows<'a> {
+    scene: &'a Scene,
+    film: &'a FilmDescription,
+    pass: &'a Pass,
+    samples: u32,
+    observer: &'a dyn Observer,
+}
+
+impl Rows<'_> {
+    /// Every sample in a sink like `empty`.
+    fn expose<S: Sink>(&self, empty: &S, eye: &impl Eye) -> Exposure {
+        let [width, height] = self.film.size.map(|side| side as usize);
+        // What is spread comes from pixels around the picture, too.
+        let reach = if self.film.filter.spreads() { self.film.filter.reach() as usize } else { 0 };
+        let mut sums = Sums::new(width, height, reach, empty);
+        let rows = height + 2 * reach;
+        let at_once = (ROWS_AT_ONCE / (2 * reach + 1)).max(rayon::current_num_threads());
+        for first in (0..rows).step_by(at_once) {
+            let row = |y: usize| self.row(y, reach, empty, eye);
+            let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
+            (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
+        }
+        sums.exposure(self.samples, self.scene.basis())
+    }
+
+    /// A row, counted from the topmost one that reaches the picture.
+    fn row<S: Sink>(&self, y: usize, reach: usize, empty: &S, eye: &impl Eye) -> Band<S> {
+        let Rows { scene, film, pass, samples, observer } = *self;
+        let [width, height] = film.size.map(|side| side as usize);
+        let (mut working, mut rays) = (Default::default(), 0);
+        let (mut band, mut sink) = (Band::new(width, reach, empty), empty.clone());
         for x in 0..width + 2 * reach {
             let family = (y * (width + 2 * reach) + x) as u64;
             let first = u64::from(pass.index) * u64::from(samples);
@@ -48,7 +88,7 @@ pub(super) fn camera_pass<W, S: Sink>(
                     ..PathState::new(ray, Spectrum::grey(response))
                 };
                 sink.clear();
-                rays += u64::from(sample(path, &mut sampler, &mut working, &mut sink));
+                rays += u64::from(eye.look(path, &mut sampler, &mut working, &mut sink));
                 band.add(x, place, &film.filter, &sink);
             }
         }
@@ -57,15 +97,7 @@ pub(super) fn camera_pass<W, S: Sink>(
         }
         observer.work(&Work { rays, share: 1.0 / (height + 2 * reach) as f64, ..Work::default() });
         band
-    };
-    let mut sums = Sums::new(width, height, reach, &empty);
-    let rows = height + 2 * reach;
-    let at_once = (ROWS_AT_ONCE / (2 * reach + 1)).max(rayon::current_num_threads());
-    for first in (0..rows).step_by(at_once) {
-        let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
-        (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
     }
-    sums.exposure(samples, scene.basis())
 }
 
 /// Rows of pixels that wait to be summed, so that they need little memory; a band around a row has several.

@@ -5,11 +5,11 @@
 
 use glam::{Vec2, Vec3};
 
-use super::blocks::{camera_pass, light_pass};
+use super::blocks::{Eye, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
-use crate::film::{Arrival, Clock, Exposure, Kind, Layered, Layers, Plain, Sink, Timed};
+use crate::film::{Arrival, Clock, Exposure, Kind, Layers, Sink};
 use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
@@ -42,12 +42,9 @@ impl Integrator for LightTracing {
         let new = || Splat::new(scene, film, max_bounces);
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
+        let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+        let mut exposure = camera_pass(scene, film, pass, 1, layers, &Rowless(observer), &PlainSight { scene, limits });
         let clock = Clock::of(film);
-        let mut exposure = match (clock, layers.is_empty()) {
-            (None, true) => emission(Plain::default(), scene, film, pass, max_bounces, observer),
-            (None, false) => emission(Layered::default(), scene, film, pass, max_bounces, observer),
-            (Some(clock), none) => emission(Timed::new(clock, !none), scene, film, pass, max_bounces, observer),
-        };
         let scale = 1.0 / paths as f32;
         let mut arrivals = Vec::new();
         for Splatted { at, light, kind, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
@@ -68,32 +65,23 @@ impl Integrator for LightTracing {
     }
 }
 
-/// Lamps and the background in plain sight.
-fn emission<S: Sink>(
-    empty: S,
-    scene: &Scene,
-    film: &FilmDescription,
-    pass: &Pass,
-    max_bounces: u32,
-    observer: &dyn Observer,
-) -> Exposure {
-    camera_pass(
-        scene,
-        film,
-        pass,
-        1,
-        &Rowless(observer),
-        || (),
-        empty,
-        |path, sampler, (), sink| {
-            let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-            let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
-            if S::LAYERED {
-                rays += walk(scene, path, Origin::Camera, &limits, sampler, &mut Surfaces(sink)).rays;
-            }
-            rays
-        },
-    )
+/// Sees lamps and the background in plain sight.
+struct PlainSight<'a> {
+    scene: &'a Scene,
+    limits: Limits,
+}
+
+impl Eye for PlainSight<'_> {
+    type Working = ();
+
+    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
+        let PlainSight { scene, limits } = *self;
+        let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
+        if S::LAYERED {
+            rays += walk(scene, path, Origin::Camera, &limits, sampler, &mut Surfaces(sink)).rays;
+        }
+        rays
+    }
 }
 
 /// Adds what shines in plain sight, or through holes.

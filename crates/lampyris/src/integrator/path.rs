@@ -1,12 +1,13 @@
 //! Path tracing with next-event estimation and multiple importance sampling: the reference (theory §4.4).
 
-use super::blocks::camera_pass;
+use super::blocks::{Eye, camera_pass};
 use super::look::Look;
 use super::{Integrator, Observer, Pass, Phase};
-use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
+use crate::film::{Exposure, Layers, Sink};
+use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, PathSettings};
-use crate::transport::{Limits, Origin, walk};
+use crate::transport::{Limits, Origin, PathState, walk};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -28,11 +29,8 @@ impl Integrator for PathTracing {
         observer: &dyn Observer,
     ) -> Exposure {
         observer.phase(Phase::Camera);
-        match (Clock::of(film), layers.is_empty()) {
-            (None, true) => self.look(Plain::default(), scene, film, pass, observer),
-            (None, false) => self.look(Layered::default(), scene, film, pass, observer),
-            (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, observer),
-        }
+        let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { scene, limits })
     }
 
     fn name(&self) -> &'static str {
@@ -40,29 +38,17 @@ impl Integrator for PathTracing {
     }
 }
 
-impl PathTracing {
-    fn look<S: Sink>(
-        &self,
-        empty: S,
-        scene: &Scene,
-        film: &FilmDescription,
-        pass: &Pass,
-        observer: &dyn Observer,
-    ) -> Exposure {
-        let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let samples = self.settings.samples;
-        camera_pass(
-            scene,
-            film,
-            pass,
-            samples,
-            observer,
-            || (),
-            empty,
-            |path, sampler, (), sink| {
-                let mut look = Look::alone(scene, limits.max_bounces, sink);
-                walk(scene, path, Origin::Camera, &limits, sampler, &mut look).rays
-            },
-        )
+/// Follows paths on their own.
+struct Paths<'a> {
+    scene: &'a Scene,
+    limits: Limits,
+}
+
+impl Eye for Paths<'_> {
+    type Working = ();
+
+    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
+        let mut look = Look::alone(self.scene, self.limits.max_bounces, sink);
+        walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }

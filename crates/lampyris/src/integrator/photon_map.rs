@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::camera_pass;
+use super::blocks::{Eye, camera_pass};
 use super::look::note;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::volume::{VolumeEstimate, Wishes, gather};
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
-use crate::film::{Clock, Exposure, Layered, Layers, Plain, Sink, Timed};
+use crate::film::{Exposure, Layers, Sink};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
@@ -63,7 +63,7 @@ impl PhotonMapping {
     pub(super) fn resumed(settings: PhotonMapSettings, pilot: Pilot) -> Result<PhotonMapping> {
         let is_needed = settings.radius.is_none() && settings.bandwidth != BandwidthRule::Nearest;
         let is_fit = pilot.radius.is_some() == is_needed
-            && pilot.radius.is_none_or(|radius| radius > 0.0)
+            && pilot.radius.is_none_or(|radius| radius.is_finite() && radius > 0.0)
             && pilot.volume.is_none_or(|volume| volume.is_fit());
         let bandwidth = bandwidth(&settings, pilot.radius.unwrap_or(f32::INFINITY));
         is_fit.then_some(PhotonMapping { settings, pilot, bandwidth }).ok_or_else(pilot::unfit)
@@ -83,28 +83,6 @@ impl PhotonMapping {
         let radius = self.bandwidth.radius::<2>(pass.index);
         photons(&self.settings, self.pilot.volume).maps(scene, pass, radius, || None, observer)
     }
-
-    fn look<S: Sink>(
-        &self,
-        empty: S,
-        scene: &Scene,
-        film: &FilmDescription,
-        pass: &Pass,
-        maps: &Maps,
-        observer: &dyn Observer,
-    ) -> Exposure {
-        let radius = self.bandwidth.radius::<2>(pass.index);
-        let volume = maps.volume.as_ref();
-        let estimate = Estimate { map: &maps.surface, kernel: self.settings.kernel, radius };
-        let max_bounces = self.settings.max_bounces;
-        let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let direct = self.settings.direct;
-        let samples = self.settings.samples;
-        camera_pass(scene, film, pass, samples, observer, Nearest::default, empty, |path, sampler, found, sink| {
-            let mut gather = Gather { scene, estimate: &estimate, volume, direct, max_bounces, found, sink };
-            walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
-        })
-    }
 }
 
 impl Integrator for PhotonMapping {
@@ -119,18 +97,24 @@ impl Integrator for PhotonMapping {
         let maps = self.maps(scene, pass, observer);
         observer.phase(Phase::Camera);
         match self.settings.show {
-            Show::Radiance => match (Clock::of(film), layers.is_empty()) {
-                (None, true) => self.look(Plain::default(), scene, film, pass, &maps, observer),
-                (None, false) => self.look(Layered::default(), scene, film, pass, &maps, observer),
-                (Some(clock), none) => self.look(Timed::new(clock, !none), scene, film, pass, &maps, observer),
-            },
+            Show::Radiance => {
+                let Maps { surface, volume } = &maps;
+                let radius = self.bandwidth.radius::<2>(pass.index);
+                let estimate = Estimate { map: surface, kernel: self.settings.kernel, radius };
+                let PhotonMapSettings { direct, max_bounces, samples, .. } = self.settings;
+                let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+                let eye = Gathering { scene, estimate, volume: volume.as_ref(), direct, limits };
+                camera_pass(scene, film, pass, samples, layers, observer, &eye)
+            }
             Show::Photons => dots::draw(scene, film, &maps.surface, |_| true).into(),
             Show::Caustics => dots::draw(scene, film, &maps.surface, Photon::is_caustic).into(),
         }
     }
 
     fn area(&self, pass: &Pass) -> Option<f64> {
-        self.bandwidth.area(pass.index).filter(|_| self.settings.show == Show::Radiance)
+        // What blurs media shrinks at another rate: two kinds of bias cannot be told by one.
+        let is_alone = self.pilot.volume.is_none() && self.settings.show == Show::Radiance;
+        self.bandwidth.area(pass.index).filter(|_| is_alone)
     }
 
     fn name(&self) -> &'static str {
@@ -167,6 +151,25 @@ pub(super) fn photon_map(
 fn photons(settings: &PhotonMapSettings, volume: Option<VolumeEstimate>) -> Photons {
     let (paths, max_bounces) = (u64::from(settings.photons), settings.max_bounces);
     Photons { paths, max_bounces, direct: settings.direct == Direct::Photons, volume }
+}
+
+/// Reads the photons of a pass.
+struct Gathering<'a> {
+    scene: &'a Scene,
+    estimate: Estimate<'a>,
+    volume: Option<&'a VolumeMap>,
+    direct: Direct,
+    limits: Limits,
+}
+
+impl Eye for Gathering<'_> {
+    type Working = Nearest;
+
+    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
+        let Gathering { scene, ref estimate, volume, direct, limits } = *self;
+        let mut gather = Gather { scene, estimate, volume, direct, max_bounces: limits.max_bounces, found, sink };
+        walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
+    }
 }
 
 /// Gathers photons at smooth lobes and follows delta lobes.

@@ -104,6 +104,18 @@ impl Illumination {
         let (emission, normal) = (0.0, Vec3::ZERO);
         Illumination { to_light: to - from, irradiance: nothing, pdf: None, target: Some(to), emission, normal }
     }
+
+    /// What is left of the way to the light from a point on it: a ray and its length.
+    pub fn rest(&self, from: Vec3) -> (Ray, f32) {
+        match self.target {
+            None => (Ray { origin: from, direction: self.to_light }, f32::INFINITY),
+            Some(target) => {
+                let between = target - from;
+                let distance = between.length();
+                (Ray { origin: from, direction: between / distance }, distance * (1.0 - 1e-6))
+            }
+        }
+    }
 }
 
 /// What every light does. The shapes of the scene are lent to lights that are surfaces.

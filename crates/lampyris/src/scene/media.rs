@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Scene, ShapeRecord, SurfacePoint};
-use crate::geometry::{Cone, Ray};
+use crate::geometry::Ray;
 use crate::light::Illumination;
 use crate::medium::{Inside, Interior, Matter, Medium, MediumId};
 use crate::sampler::Sampler;
@@ -129,7 +129,7 @@ impl Scene {
     ) -> Spectrum {
         let mut share = Spectrum::ONE;
         loop {
-            let (ray, distance) = rest(from, illumination);
+            let (ray, distance) = illumination.rest(from);
             let hit = self.surfaces.closest(&ray, distance);
             if hit.is_some() && !self.materials.have_holes() {
                 return Spectrum::ZERO;
@@ -139,15 +139,12 @@ impl Scene {
                 share = share * matter.transmittance(&ray, reached, sampler);
             }
             let Some(hit) = hit else { return share };
-            let surface = self.surfaces.surface(&ray, &hit);
-            let record = &self.shapes[hit.shape as usize];
-            let front = surface.shading_normal.dot(ray.direction) < 0.0;
-            let lookup = self.lookup(record.asks, &hit, &surface, &ray, Cone::THIN);
-            share *= self.materials.bsdf(record.material, &lookup, front).holes();
+            let (surface, holes) = self.holes(&ray, &hit);
+            share *= holes;
             if share.is_zero() {
                 return share;
             }
-            if let Some(interior) = record.interior {
+            if let Some(interior) = self.shapes[hit.shape as usize].interior {
                 inside.cross(interior, surface.normal.dot(ray.direction) < 0.0);
             }
             from = surface.offset(ray.direction);
@@ -165,17 +162,5 @@ impl Scene {
         let mut inside = *inside;
         self.cross(point, illumination.to_light, &mut inside);
         self.passage(point.surface.offset(illumination.to_light), inside, illumination, sampler)
-    }
-}
-
-/// What is left of the way to a light: a ray and its length.
-fn rest(from: Vec3, illumination: &Illumination) -> (Ray, f32) {
-    match illumination.target {
-        None => (Ray { origin: from, direction: illumination.to_light }, f32::INFINITY),
-        Some(target) => {
-            let between = target - from;
-            let distance = between.length();
-            (Ray { origin: from, direction: between / distance }, distance * (1.0 - 1e-6))
-        }
     }
 }

@@ -216,39 +216,36 @@ impl Scene {
     #[inline]
     pub fn visibility(&self, from: &Surface, illumination: &Illumination) -> f32 {
         let origin = from.offset(illumination.to_light);
-        match illumination.target {
-            Some(target) if self.surfaces.occluded(origin, target) => self.through_holes(origin, |from| {
-                let between = target - from;
-                let distance = between.length();
-                (Ray { origin: from, direction: between / distance }, distance * (1.0 - 1e-6))
-            }),
+        let is_blocked = match illumination.target {
+            Some(target) => self.surfaces.occluded(origin, target),
             None => {
-                let ray = |origin| Ray { origin, direction: illumination.to_light };
-                if self.surfaces.blocked(&ray(origin), f32::INFINITY) {
-                    self.through_holes(origin, |from| (ray(from), f32::INFINITY))
-                } else {
-                    1.0
-                }
+                let ray = Ray { origin, direction: illumination.to_light };
+                self.surfaces.blocked(&ray, f32::INFINITY)
             }
-            _ => 1.0,
-        }
+        };
+        if is_blocked { self.through_holes(origin, illumination) } else { 1.0 }
     }
 
-    /// Share of light that comes through holes, where it is known that something stands in its way. `rest` is the ray
-    /// that is left from a point on the way, with its length.
-    fn through_holes(&self, mut from: Vec3, rest: impl Fn(Vec3) -> (Ray, f32)) -> f32 {
+    /// Share of light that comes through holes, where it is known that something stands in its way.
+    fn through_holes(&self, mut from: Vec3, illumination: &Illumination) -> f32 {
         let mut share = 1.0;
         while self.materials.have_holes() && share > 0.0 {
-            let (ray, distance) = rest(from);
+            let (ray, distance) = illumination.rest(from);
             let Some(hit) = self.surfaces.closest(&ray, distance) else { return share };
-            let surface = self.surfaces.surface(&ray, &hit);
-            let front = surface.shading_normal.dot(ray.direction) < 0.0;
-            let record = &self.shapes[hit.shape as usize];
-            let lookup = self.lookup(record.asks, &hit, &surface, &ray, Cone::THIN);
-            share *= self.materials.bsdf(record.material, &lookup, front).holes();
+            let (surface, holes) = self.holes(&ray, &hit);
+            share *= holes;
             from = surface.offset(ray.direction);
         }
         0.0
+    }
+
+    /// The point that a shadow ray meets, and the share of its light that goes straight through there.
+    fn holes(&self, ray: &Ray, hit: &Hit) -> (Surface, f32) {
+        let surface = self.surfaces.surface(ray, hit);
+        let front = surface.shading_normal.dot(ray.direction) < 0.0;
+        let record = &self.shapes[hit.shape as usize];
+        let lookup = self.lookup(record.asks, hit, &surface, ray, Cone::THIN);
+        (surface, self.materials.bsdf(record.material, &lookup, front).holes())
     }
 
     /// The same scene, in which photons leave for where this leads them.
