@@ -25,11 +25,9 @@ use crate::material::Lobes;
 use crate::spectrum::Spectrum;
 use crate::transport::PathState;
 
-/// Where flux arrived on a surface with a smooth lobe.
-///
-/// It fills two lines of the processor's cache, and does not lie across three.
+/// Where flux arrived on a surface with a smooth lobe, in 80 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(64))]
+#[repr(align(16))]
 pub struct Photon {
     /// Where it landed.
     pub position: Vec3,
