@@ -118,20 +118,26 @@ impl Auto {
 }
 
 /// Follows paths that merge with the photons of a pass.
-struct Merged<'a> {
-    scene: &'a Scene,
+struct Merged {
     maps: Maps,
     merging: Merging,
     limits: Limits,
 }
 
-impl Eye for Merged<'_> {
+impl Eye for Merged {
     type Working = Nearest;
 
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        found: &mut Nearest,
+        sink: &mut S,
+    ) -> u32 {
         let merge = Merge::new(&self.maps.surface, self.merging, found);
-        let mut look = Look::merging(self.scene, self.limits.max_bounces, sink, merge, self.maps.volume.as_ref());
-        walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
+        let mut look = Look::merging(scene, self.limits.max_bounces, sink, merge, self.maps.volume.as_ref());
+        walk(scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }
 
@@ -340,7 +346,7 @@ impl Integrator for Auto {
         let maps = photon_maps(scene, &merging, self.pilot.volume, max_bounces, pass, observer);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let eye = Merged { scene, maps, merging, limits };
+        let eye = Merged { maps, merging, limits };
         camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye)
     }
 
