@@ -309,7 +309,8 @@ mod tests {
         assert_eq!(
             all(|form| matches!(form, Form::Text)),
             [
-                ".camera.irradiance-of",
+                ".camera.capture.wall",
+            ".camera.irradiance-of",
                 ".groups.interior",
                 ".groups.material:conductor.metal",
                 ".groups.material:normal-map.normals",
