@@ -132,4 +132,27 @@ mod tests {
         );
         assert!(file.dataset("sensor_xyz").is_err());
     }
+
+    #[test]
+    fn where_the_laser_has_a_grid_its_points_come_before_those_of_the_sensor() {
+        // Two points of the laser beside each other, each with its copy of a sensor's grid of 1 × 3.
+        let values = (0..18).map(|value| (value / 3) as f32).collect();
+        let column = |height: usize| vec![vec![[0.0; 3]]; height];
+        let capture = Capture {
+            sensor_xyz: None,
+            laser_xyz: None,
+            sensor_grid_xyz: column(3),
+            sensor_grid_normals: column(3),
+            laser_grid_xyz: vec![vec![[0.0; 3]; 2]],
+            laser_grid_normals: vec![vec![[0.0; 3]; 2]],
+            t_accounts_first_and_last_bounces: false,
+        };
+        let transient = Transient::from_values((2, 3, 1), Timing::new(0.0, 1.0), values).expect("18 values");
+        let bytes = encode_tal(&transient.with_capture(capture).expect("it fits")).expect("encodes");
+        let file = hdf5_pure::File::from_bytes(bytes).expect("valid");
+        let light = file.dataset("H").expect("there");
+        assert_eq!(light.shape().expect("a shape"), [1, 2, 1, 1, 3]);
+        let light: Vec<f32> = light.read_f32().expect("numbers").iter().map(|value| value.round()).collect();
+        assert_eq!(light, [0.0, 2.0, 4.0, 1.0, 3.0, 5.0]);
+    }
 }
