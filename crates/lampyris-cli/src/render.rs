@@ -58,7 +58,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     });
     display.clear();
     let (built, identity) = built?;
-    if built.scene.capture().is_none() {
+    if built.scene.camera().wall().is_none() {
         films::check_without_capture(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     }
     if let (Some(path), Some(begun), Some(identity)) = (&arguments.resume, &begun, &identity) {

@@ -310,7 +310,7 @@ mod tests {
             all(|form| matches!(form, Form::Text)),
             [
                 ".camera.capture.wall",
-            ".camera.irradiance-of",
+                ".camera.irradiance-of",
                 ".groups.interior",
                 ".groups.material:conductor.metal",
                 ".groups.material:normal-map.normals",

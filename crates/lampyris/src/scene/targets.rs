@@ -16,8 +16,8 @@ pub(super) struct Targets {
     wall: u32,
     /// Which shape, by its number.
     choice: Distribution,
-    /// Density of a point per area.
-    density: f32,
+    /// Density of a point of each shape per area: as the choice has it, which rounds the shares of small shapes.
+    densities: Vec<f32>,
 }
 
 /// The share of paths that are aimed.
@@ -32,16 +32,21 @@ impl Targets {
                 areas[shape as usize] = f64::from(scene.surfaces.area(shape));
             }
         }
-        let density = (1.0 / areas.iter().sum::<f64>()) as f32;
-        density.is_normal().then(|| Targets { wall, choice: Distribution::new(&areas), density })
+        if areas.iter().all(|&area| area <= 0.0) {
+            return None;
+        }
+        let choice = Distribution::new(&areas);
+        let density =
+            |(shape, &area): (usize, &f64)| if area > 0.0 { choice.probability(shape) / area as f32 } else { 0.0 };
+        let densities = areas.iter().enumerate().map(density).collect();
+        Some(Targets { wall, choice, densities })
     }
 
     /// Density per solid angle, at a point at this distance, of a point of a shape.
     fn density(&self, shape: u32, surface: &Surface, to_next: Vec3, distance: f32) -> f32 {
-        let is_target = self.choice.probability(shape as usize) > 0.0;
         let cos = surface.normal.dot(to_next).abs();
-        let density = self.density * distance * distance / cos;
-        if is_target && density.is_finite() { density } else { 0.0 }
+        let density = self.densities[shape as usize] * distance * distance / cos;
+        if density.is_finite() { density } else { 0.0 }
     }
 }
 
