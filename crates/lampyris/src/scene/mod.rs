@@ -30,7 +30,7 @@ use targets::Targets;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, World};
+use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, Span, World};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::medium::Interior;
@@ -89,6 +89,44 @@ struct Lights {
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
     selection: Distribution,
+}
+
+/// A light that was chosen with this probability.
+#[derive(Clone, Copy, Debug)]
+pub struct Lamp<'s> {
+    scene: &'s Scene,
+    light: LightId,
+    probability: f32,
+}
+
+impl Lamp<'_> {
+    /// The number of the light.
+    pub fn id(&self) -> LightId {
+        self.light
+    }
+
+    /// Its light that arrives at `at`, in the lanes of the pass and over the probability.
+    #[inline]
+    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+        let Lamp { scene, light, probability } = *self;
+        if let Some(spot) = &scene.spot
+            && spot.light() == light
+        {
+            return scene.illuminate_from(spot, probability, at);
+        }
+        let illumination = scene.lights.all[light as usize].emitter().illuminate(&scene.surfaces, at, sampler)?;
+        Some(Illumination {
+            irradiance: scene.basis.lanes(illumination.irradiance / probability),
+            pdf: illumination.pdf.map(|pdf| pdf * probability),
+            emission: illumination.emission / probability,
+            ..illumination
+        })
+    }
+
+    /// On which part of a ray it can shine.
+    pub fn span(&self, ray: &Ray, length: f32) -> Option<Span> {
+        self.scene.lights.all[self.light as usize].emitter().span(ray, length)
+    }
 }
 
 impl Scene {
@@ -333,20 +371,15 @@ impl Scene {
     /// Light that arrives at `at` from one of the lights, with its number, for next-event estimation.
     #[inline]
     pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<(LightId, Illumination)> {
+        let lamp = self.lamp(sampler);
+        Some((lamp.light, lamp.illuminate(at, sampler)?))
+    }
+
+    /// One of the lights, chosen at random, for next-event estimation.
+    #[inline]
+    pub fn lamp(&self, sampler: &mut Sampler) -> Lamp<'_> {
         let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
-        if let Some(spot) = &self.spot
-            && spot.light() == light as LightId
-        {
-            return self.illuminate_from(spot, probability, at);
-        }
-        let illumination = self.lights.all[light].emitter().illuminate(&self.surfaces, at, sampler)?;
-        let illumination = Illumination {
-            irradiance: self.basis.lanes(illumination.irradiance / probability),
-            pdf: illumination.pdf.map(|pdf| pdf * probability),
-            emission: illumination.emission / probability,
-            ..illumination
-        };
-        Some((light as LightId, illumination))
+        Lamp { scene: self, light: light as LightId, probability }
     }
 
     /// Density of a photon of this light that comes this way to `at`, per area across it, over that of the shadow ray.

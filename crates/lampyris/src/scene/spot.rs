@@ -109,7 +109,7 @@ impl Scene {
 
     /// Light of the spot that arrives at a point, if the laser is chosen with this probability.
     #[inline(never)]
-    pub(super) fn illuminate_from(&self, spot: &Spot, probability: f32, at: Vec3) -> Option<(LightId, Illumination)> {
+    pub(super) fn illuminate_from(&self, spot: &Spot, probability: f32, at: Vec3) -> Option<Illumination> {
         let mut bsdf = Bsdf::default();
         let point = self.spot_point(spot, &mut bsdf);
         let to = point.surface.position - at;
@@ -127,7 +127,7 @@ impl Scene {
             emission: point.pdf(-to_light, Lobes::SMOOTH) / (distance2 * probability),
             normal: Vec3::ZERO,
         };
-        (!illumination.irradiance.is_zero()).then_some((spot.light, illumination))
+        (!illumination.irradiance.is_zero()).then_some(illumination)
     }
 
     /// A photon of the beam, once the spot has sent it on.
