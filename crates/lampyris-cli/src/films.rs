@@ -8,10 +8,11 @@ use lampyris::error::{Error, Result};
 use lampyris::film::{Film, Layer};
 use lampyris::image::Image;
 use lampyris::output::{
-    Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, read_whole, write_picture,
-    write_transient, write_whole,
+    Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, is_hdf5, read_whole,
+    write_picture, write_tal, write_transient, write_whole,
 };
 use lampyris::render::Render;
+use lampyris::transient::Capture;
 
 use crate::args::MergeArguments;
 use crate::format::plural;
@@ -63,20 +64,47 @@ pub fn facts(film: &Checkpoint) -> Vec<(&'static str, Fact)> {
 }
 
 /// Writes a picture to all of these places, with its layers where a file has room for them; and if it is that of a film with
-/// time, the bins in place of it where a file has room for those.
+/// time, the bins in place of it where a file has room for those, with how a wall was captured.
 ///
 /// # Errors
 /// Whatever keeps any of them from being written: the others are.
-pub fn write_all(picture: &Picture<'_>, film: Option<&Film>, outputs: &[&Path]) -> Result<(), Failure> {
+pub fn write_all(
+    picture: &Picture<'_>,
+    film: Option<&Film>,
+    capture: Option<Capture>,
+    outputs: &[&Path],
+) -> Result<(), Failure> {
     let film = film.filter(|film| film.clock().is_some());
-    let holds_time = |path: &&&Path| film.is_some() && TransientFormat::of(path).is_ok();
+    let holds_time = |path: &&&Path| film.is_some() && holds_time(path);
     let (timed, plain): (Vec<&Path>, Vec<&Path>) = outputs.iter().partition(holds_time);
     let mut faults: Vec<Error> = plain.iter().filter_map(|path| write_picture(path, picture).err()).collect();
     if let (Some(film), false) = (film, timed.is_empty()) {
         let transient = film.transient()?;
-        faults.extend(timed.iter().filter_map(|path| write_transient(path, &transient).err()));
+        let transient = match capture {
+            Some(capture) => transient.with_capture(capture)?,
+            None => transient,
+        };
+        let write =
+            |path: &&&Path| if is_hdf5(path) { write_tal(path, &transient) } else { write_transient(path, &transient) };
+        faults.extend(timed.iter().filter_map(|path| write(&path).err()));
     }
     Failure::if_any(faults)
+}
+
+/// Whether a file has room for light by time.
+fn holds_time(path: &Path) -> bool {
+    TransientFormat::of(path).is_ok() || is_hdf5(path)
+}
+
+/// Finds what of these places has room for captures of walls alone, which this is not.
+///
+/// # Errors
+/// The first of them.
+pub fn check_without_capture(outputs: &[&Path]) -> Result<()> {
+    outputs.iter().find(|path| is_hdf5(path)).map_or(Ok(()), |path| {
+        Err(Error::new(format!("cannot write '{}': the camera captures no wall", path.display()))
+            .with_hint("HDF5 needs a camera with a capture; .npz holds light by time of any other"))
+    })
 }
 
 /// Finds what would stop a picture from being written to `path`; what only a film with time can be written to is no fault
@@ -85,7 +113,7 @@ pub fn write_all(picture: &Picture<'_>, film: Option<&Film>, outputs: &[&Path]) 
 /// # Errors
 /// An unknown extension, and what the operating system says.
 pub fn check_output(path: &Path) -> Result<()> {
-    if check_transient_path(path).is_ok() { check_writable(path) } else { check_path(path) }
+    if is_hdf5(path) || check_transient_path(path).is_ok() { check_writable(path) } else { check_path(path) }
 }
 
 /// Finds what of these places has room for a film with time alone, which this is not.
@@ -93,8 +121,8 @@ pub fn check_output(path: &Path) -> Result<()> {
 /// # Errors
 /// The first of them.
 pub fn check_without_time(outputs: &[&Path]) -> Result<()> {
-    outputs.iter().try_for_each(|path| match (check_path(path), TransientFormat::of(path)) {
-        (Err(_), Ok(_)) => Err(Error::new(format!("cannot write '{}': the film has no time bins", path.display()))
+    outputs.iter().try_for_each(|path| match (check_path(path), holds_time(path)) {
+        (Err(_), true) => Err(Error::new(format!("cannot write '{}': the film has no time bins", path.display()))
             .with_hint("give the film time, such as by --set time.bins=256")),
         (checked, _) => checked,
     })
@@ -155,6 +183,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     if sum.film().clock().is_none() {
         check_without_time(&pictures)?;
     }
+    check_without_capture(&pictures)?;
     let bytes = if kept.is_empty() { Vec::new() } else { sum.encode() };
     kept.iter().try_for_each(|path| write_whole(path, &bytes))?;
     if !pictures.is_empty() {
@@ -162,6 +191,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         write_all(
             &Picture { image: &image, noisy: None, layers: &layers, facts: &facts(&sum) },
             Some(sum.film()),
+            None,
             &pictures,
         )?;
     }

@@ -58,6 +58,9 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     });
     display.clear();
     let (built, identity) = built?;
+    if built.scene.camera().wall().is_none() {
+        films::check_without_capture(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    }
     if let (Some(path), Some(begun), Some(identity)) = (&arguments.resume, &begun, &identity) {
         belongs(path, begun, identity)?;
     }
@@ -271,7 +274,7 @@ impl Job<'_> {
             }
             _ => Picture { image: &image, noisy: None, layers: &layers, facts: &facts },
         };
-        films::write_all(&picture, Some(render.film()), outputs)?;
+        films::write_all(&picture, Some(render.film()), render.scene().capture(), outputs)?;
         denoised?;
         Ok(())
     }

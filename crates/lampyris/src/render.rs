@@ -89,6 +89,11 @@ impl<'s> Render<'s> {
         true
     }
 
+    /// What is rendered.
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
     /// What was rendered so far.
     pub fn film(&self) -> &Film {
         &self.film

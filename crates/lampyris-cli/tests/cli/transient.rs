@@ -137,6 +137,28 @@ fn a_capture_becomes_hdf5_and_anything_else_is_told_why_not() {
     assert!(folder.read("a.hdf5").starts_with(b"\x89HDF"));
 }
 
+#[test]
+fn a_render_of_a_wall_knows_where_it_was_lit_and_one_of_anything_else_is_no_capture() {
+    let folder = Folder::with_scene(
+        "camera = { origin = [0, 0, 1], capture = { wall = 'wall', mode = 'exhaustive', laser-grid = [2, 1] } }
+        film = { size = [4, 3], time = { bins = 5, start = 1, bin-width = 0.5 } }
+        integrator = { type = 'path' }
+        lights = [{ type = 'laser', position = [1, 0, 1] }]
+        shapes = [
+            { type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0], name = 'wall' },
+            { type = 'sphere', center = [0, 0, 1.5] },
+        ]",
+    );
+    folder.run("render scene.toml --passes 1 -o a.hdf5 -o a.npy -q");
+    folder.run("transient a.npy -o b.hdf5 -q");
+    assert!(folder.read("a.hdf5") == folder.read("b.hdf5"), "straight, and by way of the array");
+    let sidecar = String::from_utf8(folder.read("a.json")).expect("text");
+    assert!(sidecar.contains("laser_grid_xyz") && sidecar.contains("0.5"), "{sidecar}");
+    let folder = Folder::with_scene(super::SCENE);
+    let error = folder.refuse("render scene.toml --set time.bins=4 -o a.hdf5");
+    assert!(error.contains("the camera captures no wall"), "{error}");
+}
+
 #[cfg(unix)]
 #[test]
 fn mp4_is_written_by_ffmpeg_where_it_is() {

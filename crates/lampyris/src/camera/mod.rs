@@ -1,6 +1,11 @@
-//! The camera: a pinhole, a thin lens or parallel rays, spanned by three vectors as the course writes it.
+//! The camera: a pinhole, a thin lens or parallel rays, spanned by three vectors as the course writes it; or a sensor that
+//! looks at single points of a wall.
+
+mod relay;
 
 use glam::{Mat3, Vec2, Vec3};
+
+pub use relay::{Lighting, Relay};
 
 use crate::geometry::{Cone, Ray};
 use crate::math::warp;
@@ -32,6 +37,8 @@ enum Opening {
     Lens(Lens),
     /// The picture itself, all rays parallel.
     Parallel,
+    /// A point, each pixel one point of a wall.
+    Wall(Relay),
 }
 
 /// The opening of a camera.
@@ -94,6 +101,19 @@ impl Camera {
         Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, opening })
     }
 
+    /// A sensor that looks at points of a wall.
+    pub fn relay(relay: Relay) -> Camera {
+        let size = relay.pixels().as_vec2();
+        let (axes, normal) = (Mat3::IDENTITY, Vec3::Z);
+        let opening = Opening::Wall(relay);
+        Camera { origin: relay.sensor, axes, inverse: axes, size, normal, depth: 1.0, pixel_area: 0.0, opening }
+    }
+
+    /// The wall, if the camera looks at points of one.
+    pub fn wall(&self) -> Option<&Relay> {
+        if let Opening::Wall(relay) = &self.opening { Some(relay) } else { None }
+    }
+
     /// The ray through a point of the picture, in pixels, and a point of the unit square for the lens.
     pub fn ray(&self, pixel: Vec2, lens: Vec2) -> Ray {
         let across = Vec2::ONE - 2.0 * pixel / self.size;
@@ -106,14 +126,17 @@ impl Camera {
                 let on_lens = opening.at(lens);
                 Ray { origin: self.origin + on_lens, direction: (through * opening.focus - on_lens).normalize() }
             }
+            Opening::Wall(relay) => relay.ray(pixel),
         }
     }
 
-    /// The point `at` as seen through a point of the lens; none from behind the camera.
+    /// The point `at` as seen through a point of the lens; none from behind the camera, and none of a wall of which single
+    /// points are seen.
     pub fn see(&self, at: Vec3, lens: Vec2) -> Option<Seen> {
         let opening = match &self.opening {
             Opening::Lens(opening) => opening,
             Opening::Parallel => return self.see_in_parallel(at),
+            Opening::Wall(_) => return None,
         };
         let on_lens = opening.at(lens);
         let to_point = at - self.origin - on_lens;
@@ -146,6 +169,7 @@ impl Camera {
         match self.opening {
             Opening::Lens(_) => Cone { width: 0.0, spread: side / self.depth },
             Opening::Parallel => Cone { width: side, spread: 0.0 },
+            Opening::Wall(relay) => relay.cone(),
         }
     }
 

@@ -50,6 +50,13 @@ pub struct Hit {
     pub(super) barycentric: Vec2,
 }
 
+impl Hit {
+    /// Whether the shape stands there by an instance.
+    pub fn is_in_instance(&self) -> bool {
+        self.instance.is_some()
+    }
+}
+
 /// Collects shapes for [`Surfaces`].
 #[derive(Debug, Default)]
 pub struct SurfacesBuilder {

@@ -119,22 +119,28 @@ impl Auto {
 }
 
 /// Follows paths that merge with the photons of a pass.
-struct Merged<'a> {
-    scene: &'a Scene,
+struct Merged {
     maps: Maps,
     sharing: Sharing,
     merging: Merging,
     limits: Limits,
 }
 
-impl Eye for Merged<'_> {
+impl Eye for Merged {
     type Working = Nearest;
 
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        found: &mut Nearest,
+        sink: &mut S,
+    ) -> u32 {
         let merge = Merge::new(&self.maps.surface, self.merging, found);
         let volume = self.maps.volume.as_ref().map(|map| (map, self.sharing));
-        let mut look = Look::merging(self.scene, self.limits.max_bounces, sink, merge, volume);
-        walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
+        let mut look = Look::merging(scene, self.limits.max_bounces, sink, merge, volume);
+        walk(scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }
 
@@ -352,7 +358,7 @@ impl Integrator for Auto {
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let sharing = Sharing::of(self.pilot.volume, &maps);
-        let eye = Merged { scene, maps, sharing, merging, limits };
+        let eye = Merged { maps, sharing, merging, limits };
         camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye)
     }
 

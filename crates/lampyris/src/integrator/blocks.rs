@@ -19,8 +19,16 @@ pub(super) trait Eye: Sync {
     /// What the paths of a row have in common, such as lists that would otherwise be made anew for each.
     type Working: Default;
 
-    /// Follows a path and leaves its light at `sink`. Returns the number of rays that it traced.
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, working: &mut Self::Working, sink: &mut S) -> u32;
+    /// Follows a path in a scene as its pixel sees it, and leaves its light at `sink`. Returns the number of rays that it
+    /// traced.
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        working: &mut Self::Working,
+        sink: &mut S,
+    ) -> u32;
 }
 
 /// Walks from the camera: shows `eye` so many samples of every pixel, and takes the mean by the film's filter, with the time
@@ -77,18 +85,17 @@ impl Rows<'_> {
         for x in 0..width + 2 * reach {
             let family = (y * (width + 2 * reach) + x) as u64;
             let first = u64::from(pass.index) * u64::from(samples);
-            let corner = Vec2::new(x as f32, y as f32) - reach as f32;
+            let middle = Vec2::new(x as f32, y as f32) - reach as f32 + 0.5;
+            let scene = &*scene.of_pixel(middle);
+            // A point of a wall has no extent; and rounding must not make it another pixel's.
+            let is_point = scene.camera().wall().is_some();
             for number in first..first + u64::from(samples) {
                 let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
                 let place = film.filter.place(sampler.square());
-                let (ray, response) = scene.view(corner + 0.5 + place, &mut sampler);
-                let path = PathState {
-                    cone: scene.cone(),
-                    inside: scene.inside_of_view(&ray),
-                    ..PathState::new(ray, Spectrum::grey(response))
-                };
+                let pixel = if is_point { middle } else { middle + place };
+                let path = PathState::from_camera(scene, pixel, &mut sampler);
                 sink.clear();
-                rays += u64::from(eye.look(path, &mut sampler, &mut working, &mut sink));
+                rays += u64::from(eye.look(scene, path, &mut sampler, &mut working, &mut sink));
                 band.add(x, place, &film.filter, &sink);
             }
         }
@@ -135,6 +142,7 @@ pub(super) fn light_pass<V: Visitor + Send>(
             let path = PathState {
                 hidden_lamp: emission.is_hidden(),
                 inside: scene.inside_at(emission.ray.origin),
+                optical_length: scene.traveled(light).into(),
                 ..PathState::new(emission.ray, emission.flux)
             };
             let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);

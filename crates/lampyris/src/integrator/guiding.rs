@@ -20,7 +20,6 @@ use crate::photon::Nearest;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::{AutoSettings, FilmDescription};
-use crate::spectrum::Spectrum;
 use crate::texture::Lookup;
 use crate::transport::{Limits, Origin, PathState, walk};
 
@@ -168,12 +167,7 @@ pub(super) fn judge(
     let group = |group: u64| {
         let mut found = Nearest::default();
         let mut see = |pixel: Vec2, mut sampler: Sampler| {
-            let (ray, response) = scene.view(pixel, &mut sampler);
-            let path = PathState {
-                cone: scene.cone(),
-                inside: scene.inside_of_view(&ray),
-                ..PathState::new(ray, Spectrum::grey(response))
-            };
+            let path = PathState::from_camera(scene, pixel, &mut sampler);
             let (mut sink, mut tally) = (Plain::default(), Vec::new());
             let merge = Merge::new(&maps.surface, merging, &mut found).tallied(&mut tally);
             let volume = maps.volume.as_ref().map(|map| (map, sharing));

@@ -43,7 +43,7 @@ impl Integrator for LightTracing {
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let mut exposure = camera_pass(scene, film, pass, 1, layers, &Rowless(observer), &PlainSight { scene, limits });
+        let mut exposure = camera_pass(scene, film, pass, 1, layers, &Rowless(observer), &PlainSight { limits });
         let clock = Clock::of(film);
         let scale = 1.0 / paths as f32;
         let mut arrivals = Vec::new();
@@ -66,16 +66,15 @@ impl Integrator for LightTracing {
 }
 
 /// Sees lamps and the background in plain sight.
-struct PlainSight<'a> {
-    scene: &'a Scene,
+struct PlainSight {
     limits: Limits,
 }
 
-impl Eye for PlainSight<'_> {
+impl Eye for PlainSight {
     type Working = ();
 
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
-        let PlainSight { scene, limits } = *self;
+    fn look<S: Sink>(&self, scene: &Scene, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
+        let PlainSight { limits } = *self;
         let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
         if S::LAYERED {
             rays += walk(scene, path, Origin::Camera, &limits, sampler, &mut Surfaces(sink)).rays;
@@ -179,10 +178,7 @@ impl<'a> Splat<'a> {
     fn connect(&self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
         let at = point.surface.position;
         let (seen, to_camera) = self.seen(at, sampler)?;
-        // The adjoint cosine: with a shading normal, it is the geometry that sends the light off.
-        let cos = point.cos(to_camera) * point.geometric_over_shading(to_camera)
-            / point.geometric_over_shading(point.to_previous).max(1e-3);
-        let value = point.eval(to_camera) * (cos * seen.importance);
+        let value = point.sent(to_camera) * seen.importance;
         let way = Illumination::way(at, seen.lens);
         let light = match value.is_zero() {
             true => value,

@@ -268,7 +268,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
             let weight = |light: LightId, illumination: &Illumination| {
                 let to_light = illumination.to_light;
-                let chance = || point.pdf(to_light, Lobes::ALL);
+                let chance = || self.scene.scattering_pdf(point, to_light);
                 match merge {
                     None => illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, chance())),
                     Some((at, on)) => {

@@ -30,7 +30,7 @@ impl Integrator for PathTracing {
     ) -> Exposure {
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { scene, limits })
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits })
     }
 
     fn name(&self) -> &'static str {
@@ -39,16 +39,15 @@ impl Integrator for PathTracing {
 }
 
 /// Follows paths on their own.
-struct Paths<'a> {
-    scene: &'a Scene,
+struct Paths {
     limits: Limits,
 }
 
-impl Eye for Paths<'_> {
+impl Eye for Paths {
     type Working = ();
 
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
-        let mut look = Look::alone(self.scene, self.limits.max_bounces, sink);
-        walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
+    fn look<S: Sink>(&self, scene: &Scene, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
+        let mut look = Look::alone(scene, self.limits.max_bounces, sink);
+        walk(scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }

@@ -103,7 +103,7 @@ impl Integrator for PhotonMapping {
                 let estimate = Estimate { map: surface, kernel: self.settings.kernel, radius };
                 let PhotonMapSettings { direct, max_bounces, samples, .. } = self.settings;
                 let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-                let eye = Gathering { scene, estimate, volume: volume.as_ref(), direct, limits };
+                let eye = Gathering { estimate, volume: volume.as_ref(), direct, limits };
                 camera_pass(scene, film, pass, samples, layers, observer, &eye)
             }
             Show::Photons => dots::draw(scene, film, &maps.surface, |_| true).into(),
@@ -155,7 +155,6 @@ fn photons(settings: &PhotonMapSettings, volume: Option<VolumeEstimate>) -> Phot
 
 /// Reads the photons of a pass.
 struct Gathering<'a> {
-    scene: &'a Scene,
     estimate: Estimate<'a>,
     volume: Option<&'a VolumeMap>,
     direct: Direct,
@@ -165,8 +164,15 @@ struct Gathering<'a> {
 impl Eye for Gathering<'_> {
     type Working = Nearest;
 
-    fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
-        let Gathering { scene, ref estimate, volume, direct, limits } = *self;
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        found: &mut Nearest,
+        sink: &mut S,
+    ) -> u32 {
+        let Gathering { ref estimate, volume, direct, limits } = *self;
         let mut gather = Gather { scene, estimate, volume, direct, max_bounces: limits.max_bounces, found, sink };
         walk(scene, path, Origin::Camera, &limits, sampler, &mut gather).rays
     }

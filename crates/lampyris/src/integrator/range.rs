@@ -86,12 +86,8 @@ fn from_camera(scene: &Scene, film: &FilmDescription, unwarp: Unwarp, max_bounce
     for index in 0..PATHS[0] {
         let mut sampler = Sampler::new(seed, pilot::PASS, purpose::PILOT, index);
         let pixel = sampler.square() * Vec2::new(width, height);
-        let (ray, response) = scene.view(pixel, &mut sampler);
-        let path = PathState {
-            cone: scene.cone(),
-            inside: scene.inside_of_view(&ray),
-            ..PathState::new(ray, Spectrum::grey(response))
-        };
+        let scene = &*scene.of_pixel(pixel);
+        let path = PathState::from_camera(scene, pixel, &mut sampler);
         let mut heard = Heard { unwarp, way: Way::default(), arrivals: Vec::new() };
         walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut Look::alone(scene, max_bounces, &mut heard));
         arrivals.append(&mut heard.arrivals);

@@ -9,6 +9,7 @@ mod disk;
 mod environment;
 mod far;
 mod guide;
+mod laser;
 mod point;
 mod projector;
 mod sky;
@@ -27,6 +28,7 @@ pub use disk::SkyDisk;
 pub use environment::{Environment, Mapping};
 pub use far::Far;
 pub use guide::{Guide, Leaving, Lesson};
+pub use laser::Laser;
 pub use point::Point;
 pub use projector::Projector;
 pub use sky::{Sky, sky_picture, sun_irradiance};
@@ -163,6 +165,8 @@ pub enum Light {
     Projector(Box<Projector>),
     /// A beam of parallel light.
     Beam(Beam),
+    /// The point of a surface that an infinitely thin beam lights.
+    Laser(Laser),
 }
 
 impl Light {
@@ -179,6 +183,7 @@ impl Light {
             Light::Environment(light) => &**light,
             Light::Projector(light) => &**light,
             Light::Beam(light) => light,
+            Light::Laser(light) => light,
         }
     }
 
@@ -210,6 +215,7 @@ impl Light {
             Light::Environment(_) => "environment",
             Light::Projector(_) => "projector",
             Light::Beam(_) => "beam",
+            Light::Laser(_) => "laser",
         }
     }
 }

@@ -16,7 +16,8 @@ pub fn is_hdf5(path: &Path) -> bool {
 }
 
 /// Writes the luminance of a captured wall as HDF5 for y-tal, in metres: `H` of shape (bins, width, height), time first,
-/// with grids of shape (width, height, 3). The file appears whole or not at all.
+/// or (bins, laser's width, laser's height, width, height) where the laser has a grid of its own; with grids of shape (width,
+/// height, 3). The file appears whole or not at all.
 ///
 /// # Errors
 /// Light without a [`Capture`](crate::transient::Capture), or what the operating system says.
@@ -31,6 +32,7 @@ pub fn write_tal(path: &Path, transient: &Transient) -> Result<()> {
 pub fn encode_tal(transient: &Transient) -> Result<Vec<u8>> {
     // The enumerations of y-tal, which it keeps as numbers.
     const T_SX_SY: i32 = 1;
+    const T_LX_LY_SX_SY: i32 = 2;
     const X_Y_3: i32 = 2;
     let capture = transient.capture().ok_or_else(|| {
         Error::new("the file does not tell where the wall was lit and looked at")
@@ -38,17 +40,26 @@ pub fn encode_tal(transient: &Transient) -> Result<Vec<u8>> {
     })?;
     let (width, height, bins) = (transient.width(), transient.height(), transient.bins());
     let metres = SPEED_OF_LIGHT / transient.timing().light_speed;
+    let [lasers_wide, lasers_high] = capture.lasers(width, height);
+    let (wide, high) = (width / lasers_wide, height / lasers_high);
     let mut light = vec![0.0f32; width * height * bins];
     for x in 0..width {
         for y in 0..height {
+            let laser = x / wide * lasers_high + y / high;
+            let pixel = (laser * wide + x % wide) * high + y % high;
             for (bin, &value) in transient.profile(x, y).iter().enumerate() {
-                light[(bin * width + x) * height + y] = luminance(value);
+                light[bin * width * height + pixel] = luminance(value);
             }
         }
     }
+    let (shape, format) = match lasers_wide * lasers_high {
+        1 => (vec![bins, wide, high], T_SX_SY),
+        _ => (vec![bins, lasers_wide, lasers_high, wide, high], T_LX_LY_SX_SY),
+    };
+    let shape: Vec<u64> = shape.into_iter().map(|length| length as u64).collect();
     let mut file = FileBuilder::new();
-    file.create_dataset("H").with_f32_data(&light).with_shape(&[bins, width, height].map(|length| length as u64));
-    file.create_dataset("H_format").with_i32_data(&[T_SX_SY]);
+    file.create_dataset("H").with_f32_data(&light).with_shape(&shape);
+    file.create_dataset("H_format").with_i32_data(&[format]);
     for (name, place) in [("sensor_xyz", capture.sensor_xyz), ("laser_xyz", capture.laser_xyz)] {
         if let Some(place) = place {
             file.create_dataset(name).with_f32_data(&place.map(|number| (number * metres) as f32));
@@ -120,5 +131,28 @@ mod tests {
             (vec![0.005], vec![0.5], vec![1.0, 0.0, 0.0])
         );
         assert!(file.dataset("sensor_xyz").is_err());
+    }
+
+    #[test]
+    fn where_the_laser_has_a_grid_its_points_come_before_those_of_the_sensor() {
+        // Two points of the laser beside each other, each with its copy of a sensor's grid of 1 × 3.
+        let values = (0..18).map(|value| (value / 3) as f32).collect();
+        let column = |height: usize| vec![vec![[0.0; 3]]; height];
+        let capture = Capture {
+            sensor_xyz: None,
+            laser_xyz: None,
+            sensor_grid_xyz: column(3),
+            sensor_grid_normals: column(3),
+            laser_grid_xyz: vec![vec![[0.0; 3]; 2]],
+            laser_grid_normals: vec![vec![[0.0; 3]; 2]],
+            t_accounts_first_and_last_bounces: false,
+        };
+        let transient = Transient::from_values((2, 3, 1), Timing::new(0.0, 1.0), values).expect("18 values");
+        let bytes = encode_tal(&transient.with_capture(capture).expect("it fits")).expect("encodes");
+        let file = hdf5_pure::File::from_bytes(bytes).expect("valid");
+        let light = file.dataset("H").expect("there");
+        assert_eq!(light.shape().expect("a shape"), [1, 2, 1, 1, 3]);
+        let light: Vec<f32> = light.read_f32().expect("numbers").iter().map(|value| value.round()).collect();
+        assert_eq!(light, [0.0, 2.0, 4.0, 1.0, 3.0, 5.0]);
     }
 }

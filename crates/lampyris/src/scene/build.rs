@@ -3,6 +3,7 @@
 
 mod ahead;
 mod camera;
+mod capture;
 mod check;
 mod lights;
 mod materials;
@@ -16,6 +17,7 @@ use glam::Vec3;
 
 use super::description::{CameraDescription, IntegratorDescription, SceneDescription};
 use super::{Assets, Lights, Media, Scene, ShapeRecord};
+use crate::camera::Camera;
 use crate::error::{Error, Result, Warning};
 use crate::geometry::{Bounds, Shape, Surfaces};
 use crate::light::{Light, World};
@@ -72,6 +74,8 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         return Err(Error::new("the scene has no light")
             .with_hint("add a light, for example a point light, or give a shape an emission"));
     }
+    let relay = capture::relay(description, &records, &surfaces)?;
+    let camera = relay.map_or(camera, |(relay, _)| Camera::relay(relay));
     let meter = meter(description.camera.as_ref(), &records, &surfaces)?;
     let warnings = warnings(&description.integrator, &surfaces, &all);
     let around = description.medium.as_ref().map(|name| media.by_name(name, "medium")).transpose()?;
@@ -79,9 +83,10 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         return Err(Error::at_key("medium", "light from infinitely far away cannot come through a medium without end")
             .with_hint("make the medium the interior of a large sphere"));
     }
-    let lights = Lights::new(all, &surfaces);
     let materials = materials.finish();
     let media = Media::new(media.finish(), around, &records);
+    capture::aim_lasers(description, &mut all, media.is_some())?;
+    let lights = Lights::new(all, &surfaces);
     let mut scene = Scene {
         surfaces: Arc::new(surfaces),
         shapes: records.into(),
@@ -94,8 +99,16 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         basis: Basis::Rgb,
         media: None,
         guide: None,
+        spot: None,
+        targets: None,
     };
     scene.set_media(media);
+    scene.set_spot()?;
+    if let (Some((_, wall)), Some(capture)) = (relay, description.camera.as_ref().and_then(|c| c.capture.as_ref()))
+        && capture.hidden_geometry
+    {
+        scene.set_targets(wall);
+    }
     Ok(Built { scene, warnings })
 }
 

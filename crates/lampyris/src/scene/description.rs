@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use camera::{CameraDescription, FovAxis, Projection};
+pub use camera::{CameraDescription, CaptureDescription, CaptureMode, FovAxis, Projection};
 pub use color::{Color, Paint};
 pub use film::{FilmDescription, FilterDescription, RenderDescription, TimeDescription};
 pub use integrator::{

@@ -9,6 +9,8 @@ pub(crate) mod notation;
 mod point;
 pub mod schema;
 pub mod settings;
+mod spot;
+mod targets;
 
 use std::borrow::Cow;
 use std::f32::consts::PI;
@@ -22,6 +24,8 @@ pub use description::SceneDescription;
 pub use fingerprint::{Fingerprint, NotedAssets};
 pub use media::Media;
 pub use point::SurfacePoint;
+use spot::Spot;
+use targets::Targets;
 
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
@@ -54,6 +58,10 @@ pub struct Scene {
     media: Option<Arc<Media>>,
     /// Where photons leave for.
     guide: Option<Arc<Guide>>,
+    /// What a laser lights.
+    spot: Option<Spot>,
+    /// What paths that leave a relay wall are aimed at.
+    targets: Option<Arc<Targets>>,
 }
 
 /// What a shape is besides its geometry.
@@ -92,10 +100,20 @@ pub struct Lamp<'s> {
 }
 
 impl Lamp<'_> {
+    /// The number of the light.
+    pub fn id(&self) -> LightId {
+        self.light
+    }
+
     /// Its light that arrives at `at`, in the lanes of the pass and over the probability.
     #[inline]
     pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
         let Lamp { scene, light, probability } = *self;
+        if let Some(spot) = &scene.spot
+            && spot.light() == light
+        {
+            return scene.illuminate_from(spot, probability, at);
+        }
         let illumination = scene.lights.all[light as usize].emitter().illuminate(&scene.surfaces, at, sampler)?;
         Some(Illumination {
             irradiance: scene.basis.lanes(illumination.irradiance / probability),
@@ -163,23 +181,36 @@ impl Scene {
         bsdf: &'b mut Bsdf<'s>,
     ) -> Option<SurfacePoint<'b>> {
         let hit = self.surfaces.closest(ray, f32::INFINITY)?;
-        let surface = self.surfaces.surface(ray, &hit);
+        Some(self.point(ray, &hit, cone, carried, bsdf))
+    }
+
+    /// The point that a ray has met.
+    #[inline]
+    fn point<'s, 'b>(
+        &'s self,
+        ray: &Ray,
+        hit: &Hit,
+        cone: Cone,
+        carried: &Spectrum,
+        bsdf: &'b mut Bsdf<'s>,
+    ) -> SurfacePoint<'b> {
+        let surface = self.surfaces.surface(ray, hit);
         let to_previous = -ray.direction;
         let front = surface.shading_normal.dot(to_previous) > 0.0;
         let record = &self.shapes[hit.shape as usize];
         let lookup = match record.asks.is_none() {
             true => Lookup { basis: &self.basis, carried, ..Lookup::point(surface.uv) },
-            false => Lookup { carried, ..self.lookup(record.asks, &hit, &surface, ray, cone) },
+            false => Lookup { carried, ..self.lookup(record.asks, hit, &surface, ray, cone) },
         };
         self.materials.make_bsdf(record.material, &lookup, front, bsdf);
         let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
         let (frame, lean) = if self.materials.has_tangents(record.material) {
-            self.turned_frame(record.material, &lookup, ray, &hit, &surface)
+            self.turned_frame(record.material, &lookup, ray, hit, &surface)
         } else {
             (Frame::around(surface.shading_normal), 0.0)
         };
         let local_previous = frame.to_local(to_previous);
-        Some(SurfacePoint { surface, frame, lean, bsdf, to_previous, local_previous, distance, shape, footprint })
+        SurfacePoint { surface, frame, lean, bsdf, to_previous, local_previous, distance, shape, footprint }
     }
 
     /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's
@@ -225,12 +256,12 @@ impl Scene {
         (Frame::along(frame.to_world(normal).normalize(), frame.tangent()), lean)
     }
 
-    /// How far light comes to `at`, in scene units: from where its shadow ray ends, or from infinitely far away.
+    /// How far the light of a lamp comes to `at`, in scene units: from where its shadow ray ends, or from infinitely far
+    /// away, and what it had come before.
     #[inline]
-    pub fn distance_of(&self, at: Vec3, illumination: &Illumination) -> f32 {
-        illumination
-            .target
-            .map_or_else(|| self.distance_from_far(at, illumination.to_light), |target| target.distance(at))
+    pub fn distance_of(&self, at: Vec3, light: LightId, illumination: &Illumination) -> f32 {
+        let far = || self.distance_from_far(at, illumination.to_light);
+        illumination.target.map_or_else(far, |target| target.distance(at)) + self.traveled(light)
     }
 
     /// How far light from infinitely far away comes to `at`, in scene units, since it began in front of all that is finite,
@@ -291,7 +322,11 @@ impl Scene {
         };
         let factor = self.emission_factor(light, emission.ray, emission.normal());
         let (flux, density) = (self.basis.lanes(emission.flux / factor), emission.density * factor);
-        Some((light as LightId, Emission { flux, density, ..emission }))
+        let (light, emission) = (light as LightId, Emission { flux, density, ..emission });
+        match &self.spot {
+            Some(spot) if spot.light() == light => Some((light, self.sent_on(spot, emission, sampler)?)),
+            _ => Some((light, emission)),
+        }
     }
 
     fn emit_by_power(&self, sampler: &mut Sampler) -> Option<(usize, Emission)> {

@@ -77,6 +77,24 @@ impl SurfacePoint<'_> {
         self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
     }
 
+    /// What [`Scattered::weight`] would be, times the density, for a direction (world) that a smooth lobe leads to.
+    pub(super) fn weight(&self, to_next: Vec3) -> Spectrum {
+        if !self.keeps_side(to_next) {
+            return Spectrum::ZERO;
+        }
+        let to_next = self.frame.to_local(to_next);
+        self.bsdf.eval(self.local_previous, to_next) * to_next.z.abs()
+    }
+
+    /// The share of flux from the previous point that the smooth lobes send in the direction `to_next` (world), per solid
+    /// angle: with the adjoint cosine, as with a shading normal it is the geometry that sends light off [Veach 1997, eq. 5.17].
+    #[inline]
+    pub fn sent(&self, to_next: Vec3) -> Spectrum {
+        let cos = self.cos(to_next) * self.geometric_over_shading(to_next)
+            / self.geometric_over_shading(self.to_previous).max(1e-3);
+        self.eval(to_next) * cos
+    }
+
     /// Whether a direction (world) lies on the same side of the normal that maps have turned as of the one before.
     #[inline]
     fn keeps_side(&self, direction: Vec3) -> bool {

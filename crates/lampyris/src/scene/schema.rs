@@ -309,6 +309,7 @@ mod tests {
         assert_eq!(
             all(|form| matches!(form, Form::Text)),
             [
+                ".camera.capture.wall",
                 ".camera.irradiance-of",
                 ".groups.interior",
                 ".groups.material:conductor.metal",

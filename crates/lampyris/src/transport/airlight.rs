@@ -2,7 +2,7 @@
 //! segment (theory §9.6).
 
 use super::{PathState, Segment};
-use crate::light::{Equiangular, Illumination};
+use crate::light::{Equiangular, Illumination, LightId};
 use crate::medium::{Depth, Fading};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -22,6 +22,7 @@ pub struct Airlight {
 const CANDIDATES: u32 = 8;
 
 struct Candidate {
+    lamp: LightId,
     at: f32,
     illumination: Illumination,
     light: Spectrum,
@@ -48,10 +49,10 @@ pub fn airlight(scene: &Scene, segment: &Segment, path: &PathState, sampler: &mu
             }
         }
     }
-    let Candidate { at, illumination, light, worth } = chosen?;
+    let Candidate { lamp, at, illumination, light, worth } = chosen?;
     let passage = scene.passage(ray.at(at), path.inside, &illumination, &mut own);
     let light = light * passage * (total / (worth * CANDIDATES as f32));
-    (!light.is_zero()).then(|| Airlight { light, way: [at, scene.distance_of(ray.at(at), &illumination)] })
+    (!light.is_zero()).then(|| Airlight { light, way: [at, scene.distance_of(ray.at(at), lamp, &illumination)] })
 }
 
 fn candidate(
@@ -73,7 +74,7 @@ fn candidate(
     let phase = matter.phase.value(ray.direction.dot(illumination.to_light));
     let light = scattered * illumination.irradiance * phase;
     let worth = (path.throughput * light).mean();
-    (worth > 0.0 && worth.is_finite()).then_some(Candidate { at, illumination, light, worth })
+    (worth > 0.0 && worth.is_finite()).then_some(Candidate { lamp: lamp.id(), at, illumination, light, worth })
 }
 
 /// A distance with its density: where a lamp is near or where the medium is seen, by halves.

@@ -30,7 +30,7 @@ pub fn direct_light(
     }
     let factor = |visibility: f32| point.cos(illumination.to_light) * weight(light, &illumination) * visibility;
     let distance =
-        || scene.distance_of(point.surface.position, &illumination) * point.ior_toward(illumination.to_light);
+        || scene.distance_of(point.surface.position, light, &illumination) * point.ior_toward(illumination.to_light);
     if scene.has_media() {
         let passage = scene.passage_to(point, &path.inside, &illumination, sampler);
         if passage.is_zero() {
@@ -54,14 +54,14 @@ pub fn direct_light_in_medium(
     weight: impl FnOnce(&Illumination) -> f32,
 ) -> (Spectrum, f32) {
     const NOTHING: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
-    let Some((_, illumination)) = scene.illuminate(point.position, sampler) else { return NOTHING };
+    let Some((lamp, illumination)) = scene.illuminate(point.position, sampler) else { return NOTHING };
     let passage = scene.passage(point.position, path.inside, &illumination, sampler);
     if passage.is_zero() {
         return NOTHING;
     }
     let value = point.albedo * point.value(illumination.to_light);
     let light = value * illumination.irradiance * passage * weight(&illumination);
-    (light, scene.distance_of(point.position, &illumination))
+    (light, scene.distance_of(point.position, lamp, &illumination))
 }
 
 /// The weight of a sample of density `own` that could also have come from a strategy of density `other`

@@ -1,8 +1,12 @@
 //! The state of a path as it travels.
 
+use glam::Vec2;
+
 use crate::geometry::{Cone, Ray};
 use crate::material::Lobes;
 use crate::medium::Inside;
+use crate::sampler::Sampler;
+use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
 /// Where a path began.
@@ -21,7 +25,7 @@ pub struct PathState {
     pub ray: Ray,
     /// Flux in W of a path from a lamp; weight, without unit, of a path from the camera.
     pub throughput: Spectrum,
-    /// Σ index × length so far, in scene units; in double precision, so that long paths keep short differences.
+    /// Σ index × length so far, in scene units, of what counts; in double precision, so that long paths keep short differences.
     pub optical_length: f64,
     /// Index of refraction of where the path is, over that of where it began.
     pub ior: f32,
@@ -50,6 +54,18 @@ impl PathState {
             bounce: 0,
             history: Lobes::NONE,
             hidden_lamp: false,
+        }
+    }
+
+    /// A path that begins at a point of the picture, in pixels, as [`Scene::view`] says.
+    #[inline]
+    pub fn from_camera(scene: &Scene, pixel: Vec2, sampler: &mut Sampler) -> PathState {
+        let (ray, response) = scene.view(pixel, sampler);
+        PathState {
+            cone: scene.cone(),
+            inside: scene.inside_of_view(&ray),
+            optical_length: -f64::from(scene.head_start(pixel)),
+            ..PathState::new(ray, Spectrum::grey(response))
         }
     }
 

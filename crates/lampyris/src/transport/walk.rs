@@ -138,7 +138,7 @@ pub fn walk<V: Visitor>(
             }
         }
         sampler.step(step + 1);
-        let Some(scattered) = point.sample(follow, sampler) else {
+        let Some(scattered) = scene.scatter(&point, follow, sampler) else {
             return Walked { end: End::Absorbed, path, rays };
         };
         if scattered.event == Event::Pass {

@@ -42,6 +42,9 @@ impl<'a> Importer<'a> {
         let integrator = match plugin {
             "path" | "volpath" | "volpathmis" | "prbvolpath" => auto(max_bounces),
             "transient_path" | "transient_prbvolpath" | "transient_nlos_path" => {
+                if plugin == "transient_nlos_path" {
+                    self.nlos(query)?;
+                }
                 self.transient(query)?;
                 auto(if query.has("max_depth") { max_bounces } else { Some(TRANSIENT_BOUNCES) })
             }
@@ -76,7 +79,7 @@ impl<'a> Importer<'a> {
             self.description().film.time = Some(TimeDescription { unwarp, ..TimeDescription::default() });
         }
         for name in ["discard_direct_light", "discard_direct_paths"] {
-            if query.boolean(name, false)? {
+            if self.capture.is_none() && query.boolean(name, false)? {
                 self.warn(query.spot(name), format!("'{name}' is not supported: direct light is in the film, too"));
             }
         }

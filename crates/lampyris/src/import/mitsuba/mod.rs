@@ -11,6 +11,7 @@
 //! Facts about Mitsuba in comments were found by asking Mitsuba 3.9.1 (`scalar_rgb`).
 
 mod bsdf;
+mod capture;
 mod document;
 mod emitter;
 mod integrator;
@@ -35,7 +36,7 @@ use super::source::{Disk, Folder};
 use super::{Imported, named, source, spectrum, value};
 use crate::error::{Error, Result, Warning};
 use crate::scene::SceneDescription;
-use crate::scene::description::ShapeDescription;
+use crate::scene::description::{CaptureDescription, ShapeDescription};
 
 /// How to read a Mitsuba file.
 #[derive(Clone, Debug, Default)]
@@ -73,6 +74,7 @@ fn read_from(folder: &dyn Folder, main: &Path, options: &Options) -> Result<Impo
         interiors: HashSet::new(),
         exteriors: Vec::new(),
         meters: Vec::new(),
+        capture: None,
         warned: HashSet::new(),
         visits: 0,
     };
@@ -106,6 +108,8 @@ struct Importer<'a> {
     exteriors: Vec<(String, Spot)>,
     /// Sensors on shapes, and the shapes' names.
     meters: Vec<(usize, String)>,
+    /// What the integrator says of how a wall is captured.
+    capture: Option<CaptureDescription>,
     /// Warnings given already, by file, offset and message.
     warned: HashSet<(usize, usize, String)>,
     /// Objects visited inside others.

@@ -34,6 +34,7 @@ impl<'a> Importer<'a> {
         let window = self.film(query.part(Kind::Film).map(|part| part.object))?;
         let plugin = query.object.plugin.to_ascii_lowercase();
         let (camera, known) = match (plugin.as_str(), measured) {
+            ("nlos_capture_meter", Some(wall)) => (self.capture_meter(query, wall)?, true),
             (_, Some(shape)) => {
                 (CameraDescription { irradiance_of: Some(shape), ..CameraDescription::default() }, true)
             }
@@ -61,13 +62,19 @@ impl<'a> Importer<'a> {
         if known {
             self.leftovers(query);
         }
+        if self.capture.is_some() {
+            let message = "without a sensor of the type 'nlos_capture_meter' on a shape, 'transient_nlos_path' is as 'transient_path'";
+            self.warn(query.object.spot, message);
+        }
         Ok(())
     }
 
-    /// The name for a shape whose irradiance a sensor on it measures; other sensors there are left out.
+    /// The name for a shape whose irradiance a sensor on it measures, or whose points one looks at; other sensors there are
+    /// left out.
     pub(super) fn meter(&mut self, query: Query, key: &str) -> Option<String> {
         let sensor = query.part(Kind::Sensor)?.object;
-        if self.document.objects[sensor].plugin != "irradiancemeter" || self.group.is_some() {
+        let plugin = self.document.objects[sensor].plugin.as_str();
+        if !matches!(plugin, "irradiancemeter" | "nlos_capture_meter") || self.group.is_some() {
             self.left_out(sensor, "this sensor is left out");
             return None;
         }

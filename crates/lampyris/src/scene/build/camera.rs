@@ -21,8 +21,9 @@ pub(super) fn build(camera: Option<&CameraDescription>, size: [u32; 2]) -> Resul
 }
 
 fn placed(camera: &CameraDescription, size: [u32; 2]) -> Result<Camera> {
-    if camera.irradiance_of.is_some() {
-        // The rays start on the shape; what is left to say is where those who ask for the camera find it.
+    if camera.irradiance_of.is_some() || camera.capture.is_some() {
+        // The rays start on a shape, or go to one that is not built yet; what is left to say is where those who ask for the
+        // camera find it.
         let origin = check::point("origin", camera.origin)?;
         let axes = [Vec3::NEG_X, Vec3::Y, Vec3::Z];
         return Camera::orthographic(origin, axes, size).ok_or_else(|| Error::new("the camera has no axes"));

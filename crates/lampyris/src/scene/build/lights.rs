@@ -9,8 +9,8 @@ use super::textures::Quantity;
 use super::{check, textures};
 use crate::error::{Error, Result};
 use crate::light::{
-    Beam, Constant, Directional, Environment, Light, Mapping, Point, Projector, Sky, SkyDisk, Spot, World, sky_picture,
-    sun_irradiance,
+    Beam, Constant, Directional, Environment, Laser, Light, Mapping, Point, Projector, Sky, SkyDisk, Spot, World,
+    sky_picture, sun_irradiance,
 };
 use crate::math::Frame;
 use crate::scene::Assets;
@@ -90,6 +90,11 @@ impl<'d> Around<'_, 'd> {
                 position: check::point("position", *position)?,
                 direction: Frame::around(check::direction("direction", *direction)?),
                 radius: check::at_least_zero("radius", *radius)?,
+                power: lit("power", check::light("power", *power)?)?,
+            }),
+            LightDescription::Laser { position, target, power } => Light::Laser(Laser {
+                position: check::point("position", *position)?,
+                target: target.map(|target| axis(*position, target, "laser").map(|_| target.into())).transpose()?,
                 power: lit("power", check::light("power", *power)?)?,
             }),
         });

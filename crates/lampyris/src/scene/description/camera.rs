@@ -40,11 +40,49 @@ pub struct CameraDescription {
     /// The name of a shape whose mean irradiance, in W/m², every pixel measures instead of a picture: light that
     /// arrives on the side of its normal. No other key but `origin` matters then.
     pub irradiance_of: Option<String>,
+    /// Single points of a wall instead of a picture, as for seeing around corners. Of the other keys `origin` alone matters
+    /// then: where the sensor is.
+    pub capture: Option<CaptureDescription>,
     /// Radius of the lens in scene units; 0, the default, is a pinhole.
     #[serde(default)]
     pub aperture_radius: f32,
     /// Distance, along the viewing direction, of the plane in focus; of `target` by default.
     pub focus_distance: Option<f32>,
+}
+
+/// A relay wall, lit by a laser and looked at by a sensor. The pixels are points of the wall in the middles of the cells of
+/// a grid, row 0 at the wall's v = 0. Needs a light of the type `laser`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct CaptureDescription {
+    /// The name of the wall: a shape of the type `quad`.
+    pub wall: String,
+    /// Which points of the wall the laser lights (default single).
+    #[serde(default)]
+    pub mode: CaptureMode,
+    /// With the mode `exhaustive`, columns and rows of points that the laser lights. The film has as many copies of the
+    /// sensor's grid beside and above each other.
+    pub laser_grid: Option<[u32; 2]>,
+    /// Whether the ways from the laser to the wall and from the wall to the sensor count as time (default false).
+    #[serde(default)]
+    pub legs: bool,
+    /// Whether half of the paths that leave the wall are aimed at other shapes (default false): for what is hidden and small.
+    /// Needs the integrator `path`.
+    #[serde(default)]
+    pub hidden_geometry: bool,
+}
+
+/// Which points of a relay wall a laser lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CaptureMode {
+    /// One: its target.
+    #[default]
+    Single,
+    /// The point that the pixel looks at.
+    Confocal,
+    /// Those of a grid, each for every pixel.
+    Exhaustive,
 }
 
 /// Which side of the picture a field of view spans.

@@ -133,6 +133,18 @@ pub enum LightDescription {
         #[serde(default)]
         radius: f32,
     },
+    /// An infinitely thin beam, by the point of a surface that it lights, which sends its light on as the material there
+    /// scatters it smoothly. No one sees that point itself. A scene has one at most, and no media.
+    #[serde(rename_all = "kebab-case")]
+    Laser {
+        /// Where it starts.
+        position: [f32; 3],
+        /// A point that it goes through; a camera with a `capture` that is not `single` gives its own.
+        target: Option<[f32; 3]>,
+        /// Flux in W (default 1).
+        #[serde(default = "Color::one")]
+        power: Color,
+    },
 }
 
 /// How a square or oblong picture covers all directions.

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::import::mitsuba::Importer;
 use crate::import::mitsuba::document::Kind;
 use crate::import::mitsuba::query::Query;
-use crate::scene::description::{FilmDescription, FilterDescription, TimeDescription};
+use crate::scene::description::{CaptureMode, FilmDescription, FilterDescription, TimeDescription};
 use crate::transient::Unwarp;
 
 /// The part of the picture that is drawn, in pixels from the top left corner.
@@ -86,7 +86,8 @@ impl Importer<'_> {
         let bin_width = Some(query.float("bin_width_opl", 0.003)?);
         let start = Some(query.float("start_opl", 0.0)?);
         let unwarps = unwarp != Unwarp::None || query.boolean("camera_unwarp", false)?;
-        if query.boolean("exhaustive_scan", false)? {
+        let is_exhaustive = self.capture.as_ref().is_some_and(|capture| capture.mode == CaptureMode::Exhaustive);
+        if query.boolean("exhaustive_scan", false)? && !is_exhaustive {
             self.warn(query.spot("exhaustive_scan"), "'exhaustive_scan' is not supported: the laser stays where it is");
         }
         query.ignore(&["laser_scan_width", "laser_scan_height", "auto_detect_bins"]);

@@ -34,6 +34,7 @@ fn scenes_that_we_can_do_in_full_are_read_without_a_word() {
         ("living-room/mitsuba0.6/scene.xml", 65, 1),
         ("transient-cbox/transient/cbox_diffuse.xml", 8, 1),
         ("transient-cbox/transient/cbox_mirror.xml", 8, 1),
+        ("transient-cbox/nlos/nlos_Z.xml", 2, 1),
     ] {
         if let Some(found) = counts(file) {
             assert_eq!(found, (shapes, lights, Vec::new()), "{file}");
@@ -45,7 +46,6 @@ fn scenes_that_we_can_do_in_full_are_read_without_a_word() {
 fn what_is_done_otherwise_is_said() {
     for (file, shapes, lights, words) in [
         ("veach-bidir/mitsuba3/scene.xml", 14, 2, vec!["path_guiding_integrator"]),
-        ("transient-cbox/nlos/nlos_Z.xml", 2, 1, vec!["nlos_capture_meter", "transient_nlos_path"]),
         (
             "mitsuba-media-tests/tests/scenes/participating_media/test_homo_roughdielectric_spot_volpath.xml",
             2,
