@@ -9,7 +9,7 @@ use lampyris::film::{Film, Layer};
 use lampyris::image::Image;
 use lampyris::output::{
     Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, read_whole, write_picture,
-    write_transient, write_whole,
+    write_timed, write_whole,
 };
 use lampyris::render::Render;
 
@@ -73,8 +73,7 @@ pub fn write_all(picture: &Picture<'_>, film: Option<&Film>, outputs: &[&Path]) 
     let (timed, plain): (Vec<&Path>, Vec<&Path>) = outputs.iter().partition(holds_time);
     let mut faults: Vec<Error> = plain.iter().filter_map(|path| write_picture(path, picture).err()).collect();
     if let (Some(film), false) = (film, timed.is_empty()) {
-        let transient = film.transient()?;
-        faults.extend(timed.iter().filter_map(|path| write_transient(path, &transient).err()));
+        faults.extend(timed.iter().filter_map(|path| write_timed(path, film).err()));
     }
     Failure::if_any(faults)
 }

@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 3` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 4` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers |
 //! | 8 | the length of the pilot |
@@ -142,7 +142,7 @@ fn said(value: &Value) -> String {
     }
 }
 
-const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 3\n";
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 4\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 const CHECKSUM: usize = 4;

@@ -200,7 +200,7 @@ fn time_scales_with_the_scene_to_the_bit() {
         // With a range that the pilot finds.
         let seen = |scale: f64| film(&lit(&text(scale), &format!("{way} time.bins=40")), 2, Layers::NONE);
         let (one, large) = (seen(1.0), seen(1024.0));
-        let clocks = [&one, &large].map(|film| *film.clock().expect("time"));
+        let clocks = [&one, &large].map(|film| film.clock().expect("time").clone());
         assert_eq!(
             (1024.0 * clocks[0].start(), 1024.0 * clocks[0].bin_width()),
             (clocks[1].start(), clocks[1].bin_width())

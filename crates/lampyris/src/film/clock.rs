@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scene::description::{FilmDescription, TimeDescription};
-use crate::transient::Unwarp;
+use crate::transient::{Met, TimeLayer, TimeLayers, Unwarp};
 
-/// The bins of every pixel, all of one width, and one more slot before and one after them for what falls outside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// The bins of every pixel, all of one width, and one more slot before and one after them for what falls outside; for all
+/// light, and once more for each layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
     bins: u32,
     /// Optical path lengths in scene units.
@@ -16,6 +17,7 @@ pub struct Clock {
     bin_width: f64,
     unwarp: Unwarp,
     has_variance: bool,
+    layers: TimeLayers,
 }
 
 impl Clock {
@@ -24,7 +26,7 @@ impl Clock {
         let time = film.time.as_ref()?;
         let (start, bin_width) = (time.start()?, time.bin_width()?);
         let TimeDescription { bins, unwarp, variance, .. } = *time;
-        Some(Clock { bins, start, bin_width, unwarp, has_variance: variance })
+        Some(Clock { bins, start, bin_width, unwarp, has_variance: variance, layers: time.layers() })
     }
 
     /// How many bins there are.
@@ -52,9 +54,34 @@ impl Clock {
         self.has_variance
     }
 
-    /// Slots of a pixel: what came before the first bin, the bins, what came after the last. None of more than can be.
+    /// The parts of the light that have bins of their own.
+    pub fn layers(&self) -> &TimeLayers {
+        &self.layers
+    }
+
+    /// Slots of a pixel: what came before the first bin, the bins, what came after the last; and the same for each layer.
+    /// None of more than can be.
     pub(super) fn slots(&self) -> Option<usize> {
-        (self.bins as usize).checked_add(2)
+        self.slots_each().checked_mul(self.layers.count().checked_add(1)?).filter(|&slots| u32::try_from(slots).is_ok())
+    }
+
+    /// The number of the first slot of a layer, if it is kept; of all light, if none is named.
+    pub(super) fn first_slot(&self, layer: Option<TimeLayer>) -> Option<usize> {
+        match layer {
+            None => Some(0),
+            Some(layer) => Some((self.layers.iter().position(|own| own == layer)? + 1) * self.slots_each()),
+        }
+    }
+
+    fn slots_each(&self) -> usize {
+        (self.bins as usize).saturating_add(2)
+    }
+
+    /// The slots of light that has met this on a path of this optical length: that of all light, and those of layers.
+    #[inline]
+    pub fn slots_of(&self, optical_length: f64, met: Met) -> impl Iterator<Item = u32> {
+        let (slot, each) = (self.slot(optical_length), self.slots_each());
+        [0].into_iter().chain(self.layers.of(met).map(|layer| layer + 1)).map(move |part| (part * each) as u32 + slot)
     }
 
     /// The slot of light whose path has this optical length: 0 before the first bin, then the bins from 1, then one more.
@@ -89,9 +116,23 @@ mod bits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::transient::LightKind;
 
     fn clock(bins: u32, start: f64, bin_width: f64) -> Clock {
-        Clock { bins, start, bin_width, unwarp: Unwarp::None, has_variance: false }
+        let layers = TimeLayers::default();
+        Clock { bins, start, bin_width, unwarp: Unwarp::None, has_variance: false, layers }
+    }
+
+    #[test]
+    fn layers_have_slots_of_their_own() {
+        let layers = TimeLayers::new(&[LightKind::Direct, LightKind::Indirect], Some(1));
+        let clock = Clock { layers, ..clock(4, 1.0, 0.5) };
+        assert_eq!(clock.slots(), Some(6 * 6));
+        let slots = |events| clock.slots_of(1.6, Met::surfaces(events)).collect::<Vec<_>>();
+        assert_eq!([slots(0), slots(1), slots(2)], [vec![2, 20], vec![2, 8, 26], vec![2, 14, 32]]);
+        let first = |layer| clock.first_slot(Some(layer));
+        assert_eq!(first(TimeLayer::MoreBounces), Some(30));
+        assert_eq!([first(TimeLayer::Kind(LightKind::Volume)), first(TimeLayer::Bounces(2))], [None, None]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod timed;
 
 pub use bias::Bias;
 pub use clock::Clock;
-pub use exposure::{Arrival, Exposure, Features, Kind};
+pub use exposure::{Arrival, Exposure, Features};
 pub use layers::{Layer, Layers};
 pub use passes::PassSet;
 pub use sinks::{Layered, Plain, Sink};
@@ -33,13 +33,13 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
-use crate::transient::{Timing, Transient};
+use crate::transient::{TimeLayer, Timing, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
 ///
 /// It takes 68 bytes a pixel, 5 more where bias is told, 51 more with a filter that spreads samples, up to 340 more with
-/// all layers, and 51 more for each time bin, or 68 with its variance.
+/// all layers, and 51 more for each time bin, or 68 with its variance, once more for each layer in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -214,7 +214,7 @@ impl Film {
             has_bias: self.bias.is_some(),
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
-            time: self.clock().copied(),
+            time: self.clock().cloned(),
         }
     }
 
@@ -246,8 +246,8 @@ impl Film {
             false => None,
         };
         let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, &mut read)?;
-        let bins = match shape.time {
-            Some(clock) => Some(BinSums::read(clock, pixels, &mut read)?),
+        let bins = match &shape.time {
+            Some(clock) => Some(BinSums::read(clock.clone(), pixels, &mut read)?),
             None => None,
         };
         let FilmShape { passes, samples, .. } = *shape;
@@ -272,21 +272,28 @@ impl Film {
     /// The mean over the passes of what arrived at a pixel, counted row by row, within each time bin: linear radiance, of
     /// which the picture is the sum over all time. Empty without time.
     pub fn bins(&self, pixel: usize) -> Vec<[f32; 3]> {
-        let Some(bins) = &self.bins else { return Vec::new() };
-        let weight = self.weight(pixel);
-        (1..=bins.clock().bins()).map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+        self.bins_from(pixel, 0)
     }
 
-    /// [`Film::bins`] of all pixels.
+    fn bins_from(&self, pixel: usize, first: usize) -> Vec<[f32; 3]> {
+        let Some(bins) = &self.bins else { return Vec::new() };
+        let (weight, slots) = (self.weight(pixel), first + 1..=first + bins.clock().bins());
+        slots.map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+    }
+
+    /// [`Film::bins`] of all pixels; of a layer, or of all light if none is named.
     ///
     /// # Errors
-    /// A film without time, or bins that are too many.
-    pub fn transient(&self) -> Result<Transient> {
+    /// A film without time or without this layer in time, or bins that are too many.
+    pub fn transient(&self, layer: Option<TimeLayer>) -> Result<Transient> {
         let clock = self.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
+        let first = clock.first_slot(layer).ok_or_else(|| {
+            Error::new(format!("the film has no layer '{}' in time", layer.map(|l| l.to_string()).unwrap_or_default()))
+        })?;
         let timing = Timing { unwarp: clock.unwarp(), ..Timing::new(clock.start(), clock.bin_width()) };
         let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
         for (pixel, profile) in transient.profiles_mut().enumerate() {
-            profile.copy_from_slice(&self.bins(pixel));
+            profile.copy_from_slice(&self.bins_from(pixel, first));
         }
         Ok(transient)
     }

@@ -3,27 +3,27 @@
 use super::{Clock, Features, Layered, Sink};
 use crate::scene::SurfacePoint;
 use crate::spectrum::{Basis, Spectrum};
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::PathState;
 
 /// All that [`Layered`] has, and the light once more by the time at which it arrived.
 #[derive(Clone, Debug)]
-pub struct Timed {
+pub struct Timed<'c> {
     layered: Layered,
     /// Whether it has features to tell.
     has_features: bool,
-    clock: Clock,
+    clock: &'c Clock,
     way: Way,
     /// By slots: the first so many in their order, each once, and then some more.
     arrivals: Vec<(u32, Spectrum)>,
     settled: usize,
-    /// Noted, but not yet added, by optical length.
-    noted: Vec<(f64, Spectrum)>,
+    /// Noted, but not yet added, with what it met, by optical length.
+    noted: Vec<(f64, Met, Spectrum)>,
 }
 
-impl Timed {
+impl Timed<'_> {
     /// Without light; with features if layers are asked for.
-    pub fn new(clock: Clock, has_features: bool) -> Timed {
+    pub fn new(clock: &Clock, has_features: bool) -> Timed<'_> {
         Timed {
             layered: Layered::default(),
             has_features,
@@ -35,11 +35,13 @@ impl Timed {
         }
     }
 
-    fn arrive(&mut self, light: Spectrum, optical_length: f64) {
+    fn arrive(&mut self, light: Spectrum, met: Met, optical_length: f64) {
         if light.is_zero() {
             return;
         }
-        self.push(self.clock.slot(self.way.counted(optical_length, self.clock.unwarp())), light);
+        let clock = self.clock;
+        let counted = self.way.counted(optical_length, clock.unwarp());
+        clock.slots_of(counted, met).for_each(|slot| self.push(slot, light));
     }
 
     fn push(&mut self, slot: u32, light: Spectrum) {
@@ -101,7 +103,7 @@ impl Way {
 /// Arrivals that are not worth the while.
 const LEAST: usize = 64;
 
-impl Sink for Timed {
+impl Sink for Timed<'_> {
     const LAYERED: bool = true;
     const TIMED: bool = true;
 
@@ -122,19 +124,19 @@ impl Sink for Timed {
         self.way.particle(optical_length);
     }
 
-    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64) {
-        self.layered.add(light, events, optical_length);
-        self.arrive(light, optical_length);
+    fn add(&mut self, light: Spectrum, met: Met, optical_length: f64) {
+        self.layered.add(light, met, optical_length);
+        self.arrive(light, met, optical_length);
     }
 
-    fn note(&mut self, light: Spectrum, optical_length: f64) {
-        self.noted.push((optical_length, light));
+    fn note(&mut self, light: Spectrum, met: Met, optical_length: f64) {
+        self.noted.push((optical_length, met, light));
     }
 
     fn add_noted(&mut self, light: Spectrum, events: u32, unit: Spectrum) {
-        self.layered.add(light, events, 0.0);
+        self.layered.add_noted(light, events, unit);
         let mut noted = std::mem::take(&mut self.noted);
-        noted.drain(..).for_each(|(optical_length, light)| self.arrive(light * unit, optical_length));
+        noted.drain(..).for_each(|(optical_length, met, light)| self.arrive(light * unit, met, optical_length));
         self.noted = noted;
     }
 
@@ -146,7 +148,7 @@ impl Sink for Timed {
         self.layered.was_caustic(light);
     }
 
-    fn take(&mut self, other: &Timed, share: f32) {
+    fn take(&mut self, other: &Self, share: f32) {
         self.layered.take(&other.layered, share);
         other.arrivals.iter().for_each(|&(slot, light)| self.push(slot, light * share));
     }

@@ -9,14 +9,14 @@ use super::blocks::{Eye, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
-use crate::film::{Arrival, Clock, Exposure, Kind, Layers, Sink};
+use crate::film::{Arrival, Clock, Exposure, Layers, Sink};
 use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings, TimeDescription};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::{Crossing, Limits, MediumPoint, Origin, PathState, Visitor, walk};
 
 /// See the module.
@@ -47,12 +47,12 @@ impl Integrator for LightTracing {
         let clock = Clock::of(film);
         let scale = 1.0 / paths as f32;
         let mut arrivals = Vec::new();
-        for Splatted { at, light, kind, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
+        for Splatted { at, light, met, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
                 let light = scene.basis().to_rgb(light * (scale * share));
-                exposure.add(pixel as usize, light, kind);
+                exposure.add(pixel as usize, light, met);
                 if let Some(clock) = &clock {
-                    arrivals.push(Arrival { pixel, slot: clock.slot(optical_length), light });
+                    arrivals.extend(clock.slots_of(optical_length, met).map(|slot| Arrival { pixel, slot, light }));
                 }
             }
         }
@@ -94,14 +94,15 @@ impl<S: Sink> Visitor for InSight<'_, S> {
     const CROSSING: Crossing = Crossing::Fade;
 
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
-        self.sink.add(path.throughput * self.scene.emitted(point), 0, path.optical_length);
+        self.sink.add(path.throughput * self.scene.emitted(point), Met::surfaces(0), path.optical_length);
         point.bsdf.lobes().and(Lobes::HOLES)
     }
 
     fn escaped(&mut self, path: &PathState) {
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
         let optical_length = path.optical_length + f64::from(distance);
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction), 0, optical_length);
+        let background = self.scene.background(path.ray.direction);
+        self.sink.add(path.throughput * background, Met::surfaces(0), optical_length);
     }
 }
 
@@ -133,7 +134,7 @@ pub(super) struct Splatted {
     /// Radiance as if the path were the only one.
     pub light: Spectrum,
     /// What it met on its way.
-    kind: Kind,
+    met: Met,
     /// Optical length of its way, in scene units, as far as it counts.
     pub optical_length: f64,
 }
@@ -192,7 +193,7 @@ impl<'a> Splat<'a> {
             false => path.throughput * value * self.scene.visibility(&point.surface, &way),
         };
         let ior = || path.ior * point.ior_toward(seen.lens - at);
-        self.splatted(&seen, light, path, at, ior)
+        self.splatted(&seen, light, path, (at, false), ior)
     }
 
     fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
@@ -200,24 +201,22 @@ impl<'a> Splat<'a> {
         let way = Illumination::way(point.position, seen.lens);
         let passage = self.scene.passage(point.position, path.inside, &way, sampler);
         let value = point.albedo * (point.value(to_camera) * seen.importance);
-        self.splatted(&seen, path.throughput * value * passage, path, point.position, || path.ior)
+        self.splatted(&seen, path.throughput * value * passage, path, (point.position, true), || path.ior)
     }
 
-    /// Light that a path brings to the camera from a point where it goes off with this index of refraction, unless there is
-    /// none.
+    /// Light that a path brings to the camera from a point, which may be a particle of a medium, where it goes off with this
+    /// index of refraction; unless there is none.
     fn splatted(
         &self,
         seen: &Seen,
         light: Spectrum,
         path: &PathState,
-        at: Vec3,
+        (at, particle): (Vec3, bool),
         ior: impl FnOnce() -> f32,
     ) -> Option<Splatted> {
-        let kind = match path.bounce {
-            0 => Kind::Direct,
-            _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
-            _ => Kind::Other,
-        };
+        let read = path.met(1);
+        let is_caustic = PathState::is_caustic_history(path.history);
+        let met = Met { is_caustic, particles: read.particles || particle, ..read };
         (!light.is_zero()).then(|| {
             // In scene units where the camera is, without what does not count.
             let last = match &self.film.time {
@@ -225,7 +224,7 @@ impl<'a> Splat<'a> {
                 _ => f64::from(seen.lens.distance(at)),
             };
             let optical_length = path.optical_length / f64::from(ior()) + last;
-            Splatted { at: seen.pixel, light, kind, optical_length }
+            Splatted { at: seen.pixel, light, met, optical_length }
         })
     }
 }

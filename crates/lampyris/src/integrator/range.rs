@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::scene::SurfacePoint;
 use crate::scene::description::{FilmDescription, IntegratorDescription};
 use crate::spectrum::Spectrum;
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::{Limits, Origin, PathState, walk};
 
 /// Paths from the camera, and from the lamps.
@@ -132,7 +132,7 @@ impl Sink for Heard {
         self.way.particle(optical_length);
     }
 
-    fn add(&mut self, light: Spectrum, _: u32, optical_length: f64) {
+    fn add(&mut self, light: Spectrum, _: Met, optical_length: f64) {
         self.arrivals.push((self.way.counted(optical_length, self.unwarp), f64::from(light.mean())));
     }
 

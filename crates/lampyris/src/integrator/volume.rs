@@ -16,6 +16,7 @@ use crate::sampler::{Sampler, purpose};
 use crate::scene::description::FilmDescription;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{Crossing, Limits, Origin, PathState, Segment, Visitor, walk};
 
 /// What is estimated how.
@@ -230,9 +231,8 @@ pub(super) fn gather<S: Sink>(
         if S::TIMED && path.bounce == 0 {
             sink.particle(path.optical_length + leg);
         }
-        sink.add(light, path.bounce + 1 + u32::from(beam.bounce), path.optical_length + way);
-        if S::LAYERED && path.bounce == 0 && beam.is_caustic() {
-            sink.was_caustic(light);
-        }
+        let events = path.bounce + 1 + u32::from(beam.bounce);
+        let met = Met { events, is_caustic: path.bounce == 0 && beam.is_caustic(), particles: true };
+        sink.add(light, met, path.optical_length + way);
     });
 }

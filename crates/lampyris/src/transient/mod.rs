@@ -4,6 +4,7 @@
 //! counted from the moment at which all lamps flash. Divided by the speed of light it is a time.
 
 mod capture;
+mod parts;
 mod phasor;
 mod pulse;
 mod spad;
@@ -11,6 +12,7 @@ mod tof;
 mod views;
 
 pub use capture::{Capture, Grid};
+pub use parts::{LightKind, Met, TimeLayer, TimeLayers};
 pub use phasor::Phasors;
 pub use pulse::{Pulse, Table};
 pub use spad::{Counting, Spad};

@@ -1,9 +1,10 @@
 //! The state of a path as it travels.
 
 use crate::geometry::{Cone, Ray};
-use crate::material::Lobes;
+use crate::material::{Event, Lobes};
 use crate::medium::Inside;
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 
 /// Where a path began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +52,13 @@ impl PathState {
             history: Lobes::NONE,
             hidden_lamp: false,
         }
+    }
+
+    /// What light has met that comes by this path, with so many more events on surfaces.
+    #[inline]
+    pub fn met(&self, more: u32) -> Met {
+        let particles = self.history.contains(Event::Scatter);
+        Met { particles, ..Met::surfaces(self.bounce + more) }
     }
 
     /// Whether a path of this history has met mirrors and glass, and nothing else.

@@ -14,6 +14,7 @@ use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonM
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{PathState, Visitor, direct_light};
 
 /// What a pixel sees is so wide wherever it looks, in scene units.
@@ -400,7 +401,7 @@ impl Sink for Noted {
         self.0.clear();
     }
 
-    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
+    fn add(&mut self, light: Spectrum, _: Met, _: f64) {
         self.0.push(light);
     }
 

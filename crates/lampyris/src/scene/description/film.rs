@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::one;
-use crate::transient::{SPEED_OF_LIGHT, Unwarp};
+use crate::transient::{LightKind, SPEED_OF_LIGHT, TimeLayers, Unwarp};
 
 /// The size of the picture and how samples become pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -42,6 +42,10 @@ pub struct TimeDescription {
     pub unwarp: Unwarp,
     /// Whether the variance of every bin is kept, too, which takes a third more memory.
     pub variance: bool,
+    /// Kinds of light that have bins of their own beside those of all light, each of which takes as much memory again.
+    pub layers: Vec<LightKind>,
+    /// Bins of their own for light by the number of its scattering events: 0, 1 and so on up to this, and all above.
+    pub bounces: Option<u32>,
     /// Most memory that the bins may take, in GiB (default 8).
     pub memory_limit: f64,
 }
@@ -56,6 +60,8 @@ impl Default for TimeDescription {
             start_seconds: None,
             unwarp: Unwarp::None,
             variance: false,
+            layers: Vec::new(),
+            bounces: None,
             memory_limit: 8.0,
         }
     }
@@ -67,13 +73,19 @@ impl TimeDescription {
         self.start.or(self.start_seconds.map(|seconds| SPEED_OF_LIGHT * seconds))
     }
 
-    /// Most bytes that the bins of a picture of this size take while it is rendered: exact sums of three channels, or four
-    /// with the variance, and what arrives in one pass, twice.
+    /// The parts of the light that have bins of their own.
+    pub fn layers(&self) -> TimeLayers {
+        TimeLayers::new(&self.layers, self.bounces)
+    }
+
+    /// Most bytes that the bins of a picture of this size take while it is rendered, for all light and for each layer: exact
+    /// sums of three channels, or four with the variance, and what arrives in one pass, twice.
     pub fn bytes(&self, [width, height]: [u32; 2]) -> f64 {
         const SUM: f64 = 17.0;
         const ARRIVAL: f64 = 20.0;
         let sums = if self.variance { 4.0 } else { 3.0 };
-        f64::from(width) * f64::from(height) * (f64::from(self.bins) + 2.0) * (sums * SUM + 2.0 * ARRIVAL)
+        let slots = (f64::from(self.bins) + 2.0) * (1.0 + self.layers().count() as f64);
+        f64::from(width) * f64::from(height) * slots * (sums * SUM + 2.0 * ARRIVAL)
     }
 
     /// Sets both, as optical path lengths in scene units.

@@ -136,8 +136,12 @@ fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
         let bins = time.bins;
         let message =
             format!("{bins} time bins of {width}×{height} pixels take {gib:.1} GiB, more than the {limit} allowed");
+        let message = match time.layers().count() {
+            0 => message,
+            count => format!("{message}, once for all light and once for each of {count} layers"),
+        };
         return Err(Error::at_key("film.time.bins", message)
-            .with_hint("keep fewer bins or pixels, or set film.time.memory-limit, in GiB"));
+            .with_hint("keep fewer bins, layers or pixels, or set film.time.memory-limit, in GiB"));
     }
     Ok(())
 }
