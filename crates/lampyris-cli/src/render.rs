@@ -318,6 +318,12 @@ fn bins(clock: &Clock, film: &FilmDescription) -> String {
         0 => String::new(),
         count => format!(", for all light and {}", plural(count, "layer")),
     };
+    if let ([first, ..], [.., last]) = (&clock.frequencies()[..], &clock.frequencies()[..]) {
+        let count = clock.frequencies().len();
+        return format!(
+            "amplitudes, frequencies from {first:.6} to {last:.6} cycles a unit ({count}){layers}, up to {gib:.2} GiB"
+        );
+    }
     format!(
         "{} time bins of {:.6} ({} in metres) from {:.6} ({}){layers}, up to {gib:.2} GiB",
         clock.bins(),

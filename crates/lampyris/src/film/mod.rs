@@ -33,7 +33,7 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
-use crate::transient::{TimeLayer, Timing, Transient};
+use crate::transient::{Phasors, TimeLayer, Timing, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
@@ -286,10 +286,9 @@ impl Film {
     /// # Errors
     /// A film without time or without this layer in time, or bins that are too many.
     pub fn transient(&self, layer: Option<TimeLayer>) -> Result<Transient> {
-        let clock = self.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
-        let first = clock.first_slot(layer).ok_or_else(|| {
-            Error::new(format!("the film has no layer '{}' in time", layer.map(|l| l.to_string()).unwrap_or_default()))
-        })?;
+        let clock = self.clock().filter(|clock| !clock.is_dense());
+        let clock = clock.ok_or_else(|| Error::new("the film has no time bins"))?;
+        let first = first_slot(clock, layer)?;
         let timing = Timing { unwarp: clock.unwarp(), ..Timing::new(clock.start(), clock.bin_width()) };
         let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
         for (pixel, profile) in transient.profiles_mut().enumerate() {
@@ -298,10 +297,36 @@ impl Film {
         Ok(transient)
     }
 
+    /// The mean over the passes of the complex amplitudes of a pixel, real and imaginary part of each frequency: linear
+    /// radiance times exp(-2πi f (s - start)). Of a layer, or of all light if none is named.
+    ///
+    /// # Errors
+    /// A film without amplitudes or without this layer in time.
+    pub fn amplitudes(&self, pixel: usize, layer: Option<TimeLayer>) -> Result<Vec<[[f32; 3]; 2]>> {
+        let none = || Error::new("the film has no amplitudes");
+        let bins = self.bins.as_ref().filter(|bins| bins.clock().is_dense()).ok_or_else(none)?;
+        let (first, weight) = (first_slot(bins.clock(), layer)?, self.weight(pixel));
+        let part = |slot: usize| bins.sum(pixel, first + slot).map(|sum| (sum / weight) as f32);
+        Ok((0..bins.clock().frequencies().len()).map(|place| [part(2 * place), part(2 * place + 1)]).collect())
+    }
+
+    /// The luminance of [`Film::amplitudes`] of all pixels.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn phasors(&self, layer: Option<TimeLayer>) -> Result<Phasors> {
+        let mut values = Vec::new();
+        for pixel in 0..self.width * self.height {
+            values.extend(self.amplitudes(pixel, layer)?.into_iter().flatten().map(luminance));
+        }
+        let (frequencies, start) = self.clock().map(|clock| (clock.frequencies(), clock.start())).unwrap_or_default();
+        Ok(Phasors { width: self.width, height: self.height, frequencies, start, values })
+    }
+
     /// The mean over the passes of what arrived at a pixel before the first time bin, and after the last. None without
     /// time.
     pub fn outside_bins(&self, pixel: usize) -> Option<[[f32; 3]; 2]> {
-        let (bins, weight) = (self.bins.as_ref()?, self.weight(pixel));
+        let (bins, weight) = (self.bins.as_ref().filter(|bins| !bins.clock().is_dense())?, self.weight(pixel));
         Some([0, bins.clock().bins() + 1].map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)))
     }
 
@@ -424,6 +449,13 @@ impl Film {
         let pixels = pixels as f64;
         (mean / pixels, variance / pixels)
     }
+}
+
+fn first_slot(clock: &Clock, layer: Option<TimeLayer>) -> Result<usize> {
+    clock.first_slot(layer).ok_or_else(|| {
+        let layer = layer.map(|layer| layer.to_string()).unwrap_or_default();
+        Error::new(format!("the film has no layer '{layer}' in time"))
+    })
 }
 
 /// Pixels of which sums are taken together, so that their order does not depend on the threads.

@@ -41,10 +41,19 @@ impl Timed<'_> {
         }
         let clock = self.clock;
         let counted = self.way.counted(optical_length, clock.unwarp());
-        clock.slots_of(counted, met).for_each(|slot| self.push(slot, light));
+        clock.note(counted, met, |slot, share| self.push(slot, light * share));
     }
 
     fn push(&mut self, slot: u32, light: Spectrum) {
+        if self.clock.is_dense() {
+            if self.arrivals.is_empty() {
+                let slots = 0..self.clock.slots().unwrap_or(0) as u32;
+                self.arrivals.extend(slots.map(|slot| (slot, Spectrum::ZERO)));
+                self.settled = self.arrivals.len();
+            }
+            self.arrivals[slot as usize].1 += light;
+            return;
+        }
         self.arrivals.push((slot, light));
         // As seldom as makes no more of them than twice what is needed.
         if self.arrivals.len() > 2 * self.settled + LEAST {

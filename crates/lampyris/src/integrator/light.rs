@@ -52,7 +52,11 @@ impl Integrator for LightTracing {
                 let light = scene.basis().to_rgb(light * (scale * share));
                 exposure.add(pixel as usize, light, met);
                 if let Some(clock) = &clock {
-                    arrivals.extend(clock.slots_of(optical_length, met).map(|slot| Arrival { pixel, slot, light }));
+                    let arrival = |slot, share| Arrival { pixel, slot, light: light.map(|channel| channel * share) };
+                    clock.note(optical_length, met, |slot, share| arrivals.push(arrival(slot, share)));
+                    if arrivals.len() > AT_ONCE {
+                        exposure.add_arrivals(arrivals.drain(..));
+                    }
                 }
             }
         }
@@ -64,6 +68,9 @@ impl Integrator for LightTracing {
         "light"
     }
 }
+
+/// Arrivals that are kept until they are added up.
+const AT_ONCE: usize = 1 << 22;
 
 /// Sees lamps and the background in plain sight.
 struct PlainSight<'a> {

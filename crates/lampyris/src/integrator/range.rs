@@ -11,7 +11,7 @@ use super::light::Splat;
 use super::look::Look;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Observer, Pass, Phase, Silent, pilot};
-use crate::film::{Sink, Way};
+use crate::film::{Clock, Sink, Way};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::SurfacePoint;
@@ -39,7 +39,8 @@ pub fn timed(
     observer: &dyn Observer,
 ) -> FilmDescription {
     let Some(time) = &film.time else { return film };
-    if let (Some(_), Some(_)) = (time.start(), time.bin_width()) {
+    // Amplitudes need no range.
+    if Clock::of(&film).is_some() || time.keeps_amplitudes() {
         return film;
     }
     observer.phase(Phase::Pilot);

@@ -4,14 +4,16 @@ use std::path::Path;
 
 use super::atomic::write_whole;
 use super::transient::{
-    ARRAY, Layering, SIDECAR, TransientFormat, encode_npz, encode_sidecar, encode_values, layer_path, member_of,
-    sidecar_path,
+    ARRAY, Layering, SIDECAR, TransientFormat, encode_npz, encode_phasors, encode_sidecar, encode_values, layer_path,
+    member_of, sidecar_path,
 };
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::transient::TimeLayer;
 
-/// Writes the time bins of a film as [`write_transient`](super::write_transient) does, with its layers in time: beside
-/// `NAME.npy`, `NAME.LAYER.npy` with a `.json` of its own; within an `.npz`, `LAYER.npy`. Each file is written whole or not
+/// Writes the time bins of a film as [`write_transient`](super::write_transient) does, or its amplitudes as
+/// [`write_phasors`](super::write_phasors) does, with its layers in time: beside `NAME.npy`, `NAME.LAYER.npy` with a `.json` of
+/// its own; within an `.npz`, `LAYER.npy`, where amplitudes of all light are `phasors.npy`. Each file is written whole or not
 /// at all.
 ///
 /// # Errors
@@ -20,26 +22,43 @@ pub fn write_timed(path: &Path, film: &Film) -> Result<()> {
     let clock = film.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
     let layers: Vec<_> = clock.layers().iter().collect();
     let names: Vec<String> = layers.iter().map(ToString::to_string).collect();
-    let (all, whole) = (film.transient(None)?, Layering { layer: None, layers: &names });
+    let whole = || encoded(film, None, Layering { layer: None, layers: &names });
+    let part = |(&layer, name): (&TimeLayer, &String)| {
+        let (array, sidecar) = encoded(film, Some(layer), Layering { layer: Some(name), layers: &[] })?;
+        Ok((name.clone(), array, sidecar))
+    };
+    let mut parts = layers.iter().zip(&names).map(part);
     match TransientFormat::of(path)? {
         TransientFormat::Npy => {
-            for (&layer, name) in layers.iter().zip(&names) {
-                let (path, light) = (layer_path(path, name), film.transient(Some(layer))?);
-                let part = Layering { layer: Some(name), layers: &[] };
-                write_whole(&sidecar_path(&path), &encode_sidecar(&light, part)?)?;
-                write_whole(&path, &encode_values(&light))?;
-            }
-            write_whole(&sidecar_path(path), &encode_sidecar(&all, whole)?)?;
-            write_whole(path, &encode_values(&all))
+            parts.try_for_each(|part| {
+                let (name, array, sidecar) = part?;
+                write_both(&layer_path(path, &name), &array, &sidecar)
+            })?;
+            let (array, sidecar) = whole()?;
+            write_both(path, &array, &sidecar)
         }
         TransientFormat::Npz => {
-            let part =
-                |(&layer, name): (_, &String)| Ok((member_of(name), encode_values(&film.transient(Some(layer))?)));
-            let parts = layers.iter().zip(&names).map(part);
-            let all = [Ok((ARRAY.into(), encode_values(&all))), Ok((SIDECAR.into(), encode_sidecar(&all, whole)?))];
-            write_whole(path, &encode_npz(all.into_iter().chain(parts))?)
+            let names = if clock.bins() > 0 { [ARRAY, SIDECAR] } else { ["phasors.npy", "phasors.json"] };
+            let (array, sidecar) = whole()?;
+            let all = names.map(String::from).into_iter().zip([array, sidecar]).map(Ok);
+            let parts = parts.map(|part: Result<_>| part.map(|(name, array, _)| (member_of(&name), array)));
+            write_whole(path, &encode_npz(all.chain(parts))?)
         }
     }
+}
+
+fn write_both(path: &Path, array: &[u8], sidecar: &[u8]) -> Result<()> {
+    write_whole(&sidecar_path(path), sidecar)?;
+    write_whole(path, array)
+}
+
+/// The array of a layer, or of all light, and what stands beside it.
+fn encoded(film: &Film, layer: Option<TimeLayer>, layering: Layering<'_>) -> Result<(Vec<u8>, Vec<u8>)> {
+    if let Ok(phasors) = film.phasors(layer) {
+        return Ok(encode_phasors(&phasors, layering));
+    }
+    let light = film.transient(layer)?;
+    Ok((encode_values(&light), encode_sidecar(&light, layering)?))
 }
 
 #[cfg(test)]
@@ -59,8 +78,9 @@ mod tests {
         let mut exposure = Exposure::from(Image::new(1, 1));
         let caustic = Met { is_caustic: true, ..Met::surfaces(2) };
         for (optical_length, met, light) in [(1.7, Met::surfaces(1), 2.0), (2.1, caustic, 4.0)] {
-            let slots = clock.slots_of(optical_length, met);
-            exposure.add_arrivals(slots.map(|slot| Arrival { pixel: 0, slot, light: [light; 3] }).collect::<Vec<_>>());
+            let mut arrivals = Vec::new();
+            clock.note(optical_length, met, |slot, _| arrivals.push(Arrival { pixel: 0, slot, light: [light; 3] }));
+            exposure.add_arrivals(arrivals);
         }
         let mut film = Film::new([1, 1]).with_time(clock);
         film.add_pass(&exposure);
@@ -78,7 +98,7 @@ mod tests {
             assert_eq!(read(Some("direct")).expect("direct"), [[0.0; 3], [2.0; 3], [0.0; 3]]);
             assert_eq!(read(Some("caustic")).expect("caustic"), [[0.0; 3], [0.0; 3], [4.0; 3]]);
             let error = read(Some("volume")).expect_err("not kept").to_string();
-            assert!(error.contains("no layer 'volume'") && error.contains("caustic, direct"), "{error}");
+            assert!(error.contains("no layer 'volume'") && error.contains("direct, caustic"), "{error}");
         }
     }
 }

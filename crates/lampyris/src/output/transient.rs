@@ -199,10 +199,23 @@ pub fn write_phasors(path: &Path, phasors: &Phasors) -> Result<()> {
     if TransientFormat::of(path)? != TransientFormat::Npy {
         return Err(Error::new(format!("'{}' names no file for phasors", path.display())).with_hint("known is .npy"));
     }
-    let shape = [phasors.height, phasors.width, phasors.frequencies.len(), 2];
-    let facts = serde_json::json!({ "frequencies": phasors.frequencies, "shape": shape });
-    write_whole(&sidecar_path(path), format!("{facts:#}\n").as_bytes())?;
-    write_whole(path, &encode_array(&shape, &phasors.values))
+    let (array, sidecar) = encode_phasors(phasors, Layering::default());
+    write_whole(&sidecar_path(path), &sidecar)?;
+    write_whole(path, &array)
+}
+
+/// The array and what stands beside it.
+pub(super) fn encode_phasors(phasors: &Phasors, layering: Layering<'_>) -> (Vec<u8>, Vec<u8>) {
+    let Phasors { width, height, frequencies, start, values } = phasors;
+    let shape = [*height, *width, frequencies.len(), 2];
+    let mut facts = serde_json::json!({ "frequencies": frequencies, "start_opl": start, "shape": shape });
+    if let Some(layer) = layering.layer {
+        facts["layer"] = layer.into();
+    }
+    if !layering.layers.is_empty() {
+        facts["layers"] = layering.layers.into();
+    }
+    (encode_array(&shape, values), format!("{facts:#}\n").into_bytes())
 }
 
 pub(super) fn encode_values(transient: &Transient) -> Vec<u8> {

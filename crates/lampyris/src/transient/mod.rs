@@ -14,6 +14,7 @@ mod views;
 pub use capture::{Capture, Grid};
 pub use parts::{LightKind, Met, TimeLayer, TimeLayers};
 pub use phasor::Phasors;
+pub(crate) use phasor::{phase, phasor_frequencies};
 pub use pulse::{Pulse, Table};
 pub use spad::{Counting, Spad};
 pub use tof::TimeOfFlight;
