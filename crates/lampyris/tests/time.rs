@@ -8,6 +8,7 @@ use lampyris::film::{Film, Layers};
 use lampyris::image::luminance;
 use lampyris::integrator::{Pass, Silent, integrator};
 use lampyris::render::Render;
+use lampyris::spectrum::Dispersion;
 
 /// Settings of a film with these bins.
 fn bins(bins: u32, start: f64, width: f64) -> String {
@@ -318,6 +319,54 @@ fn a_slab_delays_light_by_its_thickness_times_index_less_one() {
         let film = film(&lit(&text, &format!("integrator={way}{}", bins(1, at - 1e-4, 2e-4))), 4, Layers::NONE);
         assert!(film.bins(0)[0][1] > 0.05, "{way}");
         assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
+    }
+}
+
+/// A pulse is as slow as its group index says, which is 1.54136 for N-BK7 at the line d; the index that bends light is 1.51680.
+#[test]
+fn a_pulse_is_slower_in_glass_than_the_index_that_bends_it_says_if_group_indices_are_asked_for() {
+    let glass = Dispersion::of_substance("bk7").expect("bk7");
+    let text = "
+        camera = { origin = [0, 2, 0], target = [0, 0, 0], up = [0, 0, 1], fov = 0.002 }
+        film = { size = [1, 1] }
+        lights = [{ type = 'point', position = [1, 0.5, 0], intensity = 3 }]\n"
+        .to_string()
+        + &slab(1.0, 0.75, 0.3, "{ type = 'glass', ior = 'bk7' }")
+        + &square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = 0.5 }");
+    let at = |index: f64| 2.0 + 0.25 * (index - 1.0) + (1.0_f64 + 0.25).sqrt();
+    for way in ["path", "auto photons=100", "photon-map photons=100"] {
+        for (index, value) in [("phase", 1.51680), ("group", 1.54136)] {
+            let range = bins(1, at(value) - 1e-4, 2e-4);
+            let settings = format!("integrator={way} time.index={index} spectral=false{range}");
+            let film = film(&lit(&text, &settings), 4, Layers::NONE);
+            assert!(film.bins(0)[0][1] > 0.05, "{way}, {index}");
+            assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}, {index}");
+        }
+        // Of all colours, red is the first.
+        let settings = format!("integrator={way} time.index=group{}", bins(1, at(glass.group_at(830.0)) - 1e-4, 0.03));
+        let film = film(&lit(&text, &settings), 8, Layers::NONE);
+        assert!(film.bins(0)[0][1] > 0.05, "{way}");
+        assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
+    }
+}
+
+/// The first photon on a floor below glass has come straight down through it.
+#[test]
+fn photons_are_slow_by_the_same_index() {
+    let text = "
+        camera = { origin = [0, 2, 0], target = [0, 0, 0], up = [0, 0, 1] }
+        film = { size = [1, 1] }
+        lights = [{ type = 'point', position = [0, 1.5, 0], power = 1 }]\n"
+        .to_string()
+        + &slab(1.0, 0.5, 3.0, "{ type = 'glass', ior = 'bk7' }")
+        + &square(0.0, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
+    for (index, value) in [("phase", 1.51680), ("group", 1.54136)] {
+        let settings = format!("integrator=photon-map photons=100000 direct=photons spectral=false time.index={index}");
+        let lit = lit(&text, &settings);
+        let map = lit.map(0);
+        let first = map.photons().iter().map(|photon| f64::from(photon.optical_length)).fold(f64::INFINITY, f64::min);
+        let expected = 1.5 + 0.5 * (value - 1.0);
+        assert!((0.0..1e-3).contains(&(first - expected + 1e-6)), "{index}: {first} is not {expected}");
     }
 }
 

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scene::description::{FilmDescription, TimeDescription};
-use crate::transient::{Met, TimeLayer, TimeLayers, Unwarp, phase};
+use crate::transient::{IndexMode, Met, TimeLayer, TimeLayers, Unwarp, phase};
 
 /// What a film keeps of every pixel by time, in slots: bins of one width, with one more slot before and one after them for
 /// what falls outside; or amplitudes, with a slot for the real and one for the imaginary part of each. For all light, and once
@@ -16,6 +16,7 @@ pub struct Clock {
     start: f64,
     kept: Kept,
     unwarp: Unwarp,
+    index: IndexMode,
     has_variance: bool,
     layers: TimeLayers,
 }
@@ -46,8 +47,8 @@ impl Clock {
         } else {
             Kept::Bins { count: time.bins, width: time.bin_width()? }
         };
-        let TimeDescription { unwarp, variance, .. } = *time;
-        Some(Clock { start: time.start()?, kept, unwarp, has_variance: variance, layers: time.layers() })
+        let TimeDescription { unwarp, index, variance, .. } = *time;
+        Some(Clock { start: time.start()?, kept, unwarp, index, has_variance: variance, layers: time.layers() })
     }
 
     /// How many bins there are; none where amplitudes are kept.
@@ -89,6 +90,11 @@ impl Clock {
         self.unwarp
     }
 
+    /// Which index makes lengths optical.
+    pub fn index(&self) -> IndexMode {
+        self.index
+    }
+
     /// Whether the variance of the bins is kept.
     pub fn has_variance(&self) -> bool {
         self.has_variance
@@ -124,7 +130,8 @@ impl Clock {
     #[inline]
     pub fn note(&self, optical_length: f64, met: Met, mut tell: impl FnMut(u32, f32)) {
         let each = self.slots_each();
-        let parts = || [0].into_iter().chain(self.layers.of(met).map(|layer| layer + 1)).map(|part| (part * each) as u32);
+        let parts =
+            || [0].into_iter().chain(self.layers.of(met).map(|layer| layer + 1)).map(|part| (part * each) as u32);
         match &self.kept {
             &Kept::Bins { count, width } => {
                 let slot = slot(count, (optical_length - self.start) / width);
@@ -143,7 +150,6 @@ impl Clock {
             }
         }
     }
-
 }
 
 /// The slot of light at this place, in bins from the start: 0 before the first bin, then the bins from 1, then one more. A bin
@@ -181,7 +187,7 @@ mod tests {
     fn clock(bins: u32, start: f64, bin_width: f64) -> Clock {
         let layers = TimeLayers::default();
         let kept = Kept::Bins { count: bins, width: bin_width };
-        Clock { start, kept, unwarp: Unwarp::None, has_variance: false, layers }
+        Clock { start, kept, unwarp: Unwarp::None, index: IndexMode::Phase, has_variance: false, layers }
     }
 
     /// The slots of light on a surface, with what they get.
@@ -211,7 +217,8 @@ mod tests {
     #[test]
     fn bins_have_their_beginning_and_what_is_outside_has_slots_of_its_own() {
         let clock = clock(4, 1.0, 0.5);
-        let slots = [0.0, 0.99, 1.0, 1.49, 1.5, 2.99, 3.0, 1e300, f64::INFINITY, f64::NAN].map(|at| slot_at(&clock, at));
+        let slots =
+            [0.0, 0.99, 1.0, 1.49, 1.5, 2.99, 3.0, 1e300, f64::INFINITY, f64::NAN].map(|at| slot_at(&clock, at));
         assert_eq!(slots, [0, 0, 1, 1, 2, 4, 5, 5, 5, 5]);
     }
 

@@ -289,7 +289,8 @@ impl Film {
         let clock = self.clock().filter(|clock| !clock.is_dense());
         let clock = clock.ok_or_else(|| Error::new("the film has no time bins"))?;
         let first = first_slot(clock, layer)?;
-        let timing = Timing { unwarp: clock.unwarp(), ..Timing::new(clock.start(), clock.bin_width()) };
+        let timing =
+            Timing { unwarp: clock.unwarp(), index: clock.index(), ..Timing::new(clock.start(), clock.bin_width()) };
         let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
         for (pixel, profile) in transient.profiles_mut().enumerate() {
             profile.copy_from_slice(&self.bins_from(pixel, first));

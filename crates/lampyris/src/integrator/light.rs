@@ -199,8 +199,8 @@ impl<'a> Splat<'a> {
             }
             false => path.throughput * value * self.scene.visibility(&point.surface, &way),
         };
-        let ior = || path.ior * point.ior_toward(seen.lens - at);
-        self.splatted(&seen, light, path, (at, false), ior)
+        let slowness = || path.slowness * point.slowness_toward(seen.lens - at);
+        self.splatted(&seen, light, path, (at, false), slowness)
     }
 
     fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
@@ -208,18 +208,18 @@ impl<'a> Splat<'a> {
         let way = Illumination::way(point.position, seen.lens);
         let passage = self.scene.passage(point.position, path.inside, &way, sampler);
         let value = point.albedo * (point.value(to_camera) * seen.importance);
-        self.splatted(&seen, path.throughput * value * passage, path, (point.position, true), || path.ior)
+        self.splatted(&seen, path.throughput * value * passage, path, (point.position, true), || path.slowness)
     }
 
-    /// Light that a path brings to the camera from a point, which may be a particle of a medium, where it goes off with this
-    /// index of refraction; unless there is none.
+    /// Light that a path brings to the camera from a point, which may be a particle of a medium, where light is so
+    /// slow to go on; unless there is none.
     fn splatted(
         &self,
         seen: &Seen,
         light: Spectrum,
         path: &PathState,
         (at, particle): (Vec3, bool),
-        ior: impl FnOnce() -> f32,
+        slowness: impl FnOnce() -> f32,
     ) -> Option<Splatted> {
         let read = path.met(1);
         let is_caustic = PathState::is_caustic_history(path.history);
@@ -230,7 +230,7 @@ impl<'a> Splat<'a> {
                 Some(TimeDescription { unwarp: Unwarp::FirstSurface | Unwarp::LastSegment, .. }) => 0.0,
                 _ => f64::from(seen.lens.distance(at)),
             };
-            let optical_length = path.optical_length / f64::from(ior()) + last;
+            let optical_length = path.optical_length / f64::from(slowness()) + last;
             Splatted { at: seen.pixel, light, met, optical_length }
         })
     }

@@ -180,14 +180,14 @@ impl<'a> Merge<'a> {
 #[inline]
 pub(super) fn note<S: Sink>(sink: &mut S, photon: &Photon, light: Spectrum, point: &SurfacePoint, path: &PathState) {
     if S::TIMED {
-        let ior = path.ior * point.ior_toward(-photon.direction);
+        let slowness = path.slowness * point.slowness_toward(-photon.direction);
         let read = path.met(1 + u32::from(photon.bounce));
         let met = Met {
             is_caustic: photon.is_caustic() && !path.history.meets(Lobes::SMOOTH),
             particles: read.particles || photon.history.contains(Event::Scatter),
             ..read
         };
-        sink.note(light, met, path.optical_length + photon.optical_length_at(point.surface.position, ior));
+        sink.note(light, met, path.optical_length + photon.optical_length_at(point.surface.position, slowness));
     }
 }
 
@@ -285,7 +285,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
                 }
             };
             let (light, distance) = direct_light(self.scene, point, path, sampler, weight);
-            let optical_length = path.optical_length + f64::from(path.ior * distance);
+            let optical_length = path.optical_length + f64::from(path.slowness * distance);
             self.sink.add(path.throughput * light, path.met(1), optical_length);
             if let Some(merge) = &mut self.merge
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
@@ -314,7 +314,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
                 illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, point.value(illumination.to_light)))
             };
             let (light, distance) = direct_light_in_medium(self.scene, point, path, sampler, weight);
-            let optical_length = path.optical_length + f64::from(path.ior * distance);
+            let optical_length = path.optical_length + f64::from(path.slowness * distance);
             self.sink.add(path.throughput * light, Met { particles: true, ..path.met(1) }, optical_length);
         }
         true
@@ -340,7 +340,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
-        self.add(path.throughput * radiance, path, path.optical_length + f64::from(path.ior * distance));
+        self.add(path.throughput * radiance, path, path.optical_length + f64::from(path.slowness * distance));
     }
 
     fn worth(&self) -> f32 {

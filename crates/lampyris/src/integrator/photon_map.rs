@@ -198,7 +198,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
                 let (light, distance) = direct_light(self.scene, point, path, sampler, |_, _| 1.0);
-                let optical_length = path.optical_length + f64::from(path.ior * distance);
+                let optical_length = path.optical_length + f64::from(path.slowness * distance);
                 self.sink.add(path.throughput * light, path.met(1), optical_length);
             }
             // The event in which the photons are read is one of the path's, too.
@@ -226,7 +226,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
 
     fn escaped(&mut self, path: &PathState) {
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
-        let optical_length = path.optical_length + f64::from(path.ior * distance);
+        let optical_length = path.optical_length + f64::from(path.slowness * distance);
         self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.met(0), optical_length);
     }
 }

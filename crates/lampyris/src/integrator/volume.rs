@@ -222,7 +222,7 @@ pub(super) fn gather<S: Sink>(
 ) {
     // The event in which the photons are read is one of the path's, too.
     let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
-    map.gather(segment, path.ior, sampler, |beam, light, [leg, way]| {
+    map.gather(segment, path.slowness, sampler, |beam, light, [leg, way]| {
         if u32::from(beam.bounce) > most {
             return;
         }

@@ -108,7 +108,7 @@ impl Visitor for Deposit<'_> {
                 normal: if normal.dot(point.to_previous) < 0.0 { -normal } else { normal },
                 optical_length: path.optical_length as f32,
                 reach: if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance },
-                ior: path.ior,
+                slowness: path.slowness,
                 flux: path.throughput,
                 rivals,
                 path: self.path,

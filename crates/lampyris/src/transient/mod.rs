@@ -88,7 +88,8 @@ impl Unwarp {
 }
 
 /// Which index of refraction makes lengths optical.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum IndexMode {
     /// The index n that bends light.
     #[default]

@@ -38,9 +38,7 @@ impl Transient {
         let width = self.axis().bin_width;
         let waves: Vec<Vec<[f64; 2]>> = frequencies
             .iter()
-            .map(|frequency| {
-                (0..self.bins()).map(|bin| phase(*frequency, width * (bin as f64 + 0.5))).collect()
-            })
+            .map(|frequency| (0..self.bins()).map(|bin| phase(*frequency, width * (bin as f64 + 0.5))).collect())
             .collect();
         let transformed = |profile: &[f32]| -> Vec<f32> {
             let light: Vec<f64> = profile.chunks_exact(3).map(|v| luminance([v[0], v[1], v[2]]).into()).collect();
@@ -79,19 +77,19 @@ pub(crate) fn phase(frequency: f64, length: f64) -> [f64; 2] {
 /// # Errors
 /// Wavelengths that are not positive numbers, or frequencies above what the bins can tell.
 pub(crate) fn phasor_frequencies(bins: usize, bin_width: f64, wl_mean: f64, wl_sigma: f64) -> Result<Vec<f64>> {
-        if ![wl_mean, wl_sigma].into_iter().all(|length| length.is_finite() && length > 0.0) {
-            return Err(Error::new(format!("wavelengths must be numbers above 0, not {wl_mean} and {wl_sigma}")));
-        }
-        let range = bins as f64 * bin_width;
-        let (mean, sigma) = (range / wl_mean, range / (6.0 * wl_sigma));
-        let first = (mean - 3.0 * sigma).floor().max(0.0);
-        let last = (mean + 3.0 * sigma).ceil().min((bins / 2) as f64);
-        if first > last {
-            let shortest = 2.0 * bin_width;
-            return Err(Error::new(format!("bins of {bin_width} cannot tell waves of {wl_mean}"))
-                .with_hint(format!("the shortest wavelength is two bins, {shortest}")));
-        }
-        Ok((first as usize..=last as usize).map(|index| index as f64 / range).collect())
+    if ![wl_mean, wl_sigma].into_iter().all(|length| length.is_finite() && length > 0.0) {
+        return Err(Error::new(format!("wavelengths must be numbers above 0, not {wl_mean} and {wl_sigma}")));
+    }
+    let range = bins as f64 * bin_width;
+    let (mean, sigma) = (range / wl_mean, range / (6.0 * wl_sigma));
+    let first = (mean - 3.0 * sigma).floor().max(0.0);
+    let last = (mean + 3.0 * sigma).ceil().min((bins / 2) as f64);
+    if first > last {
+        let shortest = 2.0 * bin_width;
+        return Err(Error::new(format!("bins of {bin_width} cannot tell waves of {wl_mean}"))
+            .with_hint(format!("the shortest wavelength is two bins, {shortest}")));
+    }
+    Ok((first as usize..=last as usize).map(|index| index as f64 / range).collect())
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ impl PathState {
             }
             Flight::Collided { distance, weight, albedo } => {
                 self.throughput = self.throughput * weight;
-                self.optical_length += f64::from(self.ior * distance);
+                self.optical_length += f64::from(self.slowness * distance);
                 self.cone = self.cone.after(distance);
                 let (position, to_previous) = (self.ray.at(distance), -self.ray.direction);
                 Some(MediumPoint { position, to_previous, distance, albedo, matter })

@@ -22,10 +22,12 @@ pub struct PathState {
     pub ray: Ray,
     /// Flux in W of a path from a lamp; weight, without unit, of a path from the camera.
     pub throughput: Spectrum,
-    /// Σ index × length so far, in scene units; in double precision, so that long paths keep short differences.
+    /// Σ slowness × length so far, in scene units; in double precision, so that long paths keep short differences.
     pub optical_length: f64,
     /// Index of refraction of where the path is, over that of where it began.
     pub ior: f32,
+    /// How much slower light is where the path is than where it began: the same, or the ratio of group indices.
+    pub slowness: f32,
     /// The shapes with media that it is in.
     pub inside: Inside,
     /// What the ray stands for, from its origin.
@@ -46,6 +48,7 @@ impl PathState {
             throughput,
             optical_length: 0.0,
             ior: 1.0,
+            slowness: 1.0,
             inside: Inside::NOTHING,
             cone: Cone::WIDE,
             bounce: 0,

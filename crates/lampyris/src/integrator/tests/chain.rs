@@ -262,7 +262,14 @@ impl Chain {
         let ior_ratio = if to > at { ior_ratio } else { 1.0 / ior_ratio };
         let to_next = self.direction(at, to);
         let pdf = if self.is_smooth(at) { point.pdf(to_next, Lobes::ALL) } else { 1.0 };
-        Scattered { to_next, weight: Spectrum::ONE, pdf, event, ior_ratio: Spectrum::grey(ior_ratio) }
+        Scattered {
+            to_next,
+            weight: Spectrum::ONE,
+            pdf,
+            event,
+            ior_ratio: Spectrum::grey(ior_ratio),
+            slowness: ior_ratio,
+        }
     }
 
     fn max_bounces(&self) -> u32 {

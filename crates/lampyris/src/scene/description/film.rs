@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::one;
 use crate::error::{Error, Result};
-use crate::transient::{LightKind, SPEED_OF_LIGHT, TimeLayers, Unwarp, phasor_frequencies};
+use crate::transient::{IndexMode, LightKind, SPEED_OF_LIGHT, TimeLayers, Unwarp, phasor_frequencies};
 
 /// The size of the picture and how samples become pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -41,6 +41,8 @@ pub struct TimeDescription {
     pub start_seconds: Option<f64>,
     /// Which part of the way is left out, for pictures in which light is seen where it is at one time.
     pub unwarp: Unwarp,
+    /// Which index of refraction makes lengths optical, where that depends on the wavelength.
+    pub index: IndexMode,
     /// Whether the variance of every bin is kept, too, which takes a third more memory.
     pub variance: bool,
     /// Kinds of light that have bins of their own beside those of all light, each of which takes as much memory again.
@@ -65,6 +67,7 @@ impl Default for TimeDescription {
             bin_width_seconds: None,
             start_seconds: None,
             unwarp: Unwarp::None,
+            index: IndexMode::Phase,
             variance: false,
             layers: Vec::new(),
             bounces: None,

@@ -102,12 +102,7 @@ impl Importer<'_> {
         self.note_all(
             "film.time",
             query,
-            &[
-                ("bins", "temporal_bins"),
-                ("bin-width", "bin_width_opl"),
-                ("start", "start_opl"),
-                ("phasor", "wl_mean"),
-            ],
+            &[("bins", "temporal_bins"), ("bin-width", "bin_width_opl"), ("start", "start_opl"), ("phasor", "wl_mean")],
         );
         Ok(TimeDescription { bins, bin_width, start, unwarp, phasor, ..TimeDescription::default() })
     }
