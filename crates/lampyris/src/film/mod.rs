@@ -475,7 +475,8 @@ impl FilmShape {
 
     /// Bytes that the sums take in a file; none of a film that could not be.
     pub(crate) fn bytes(&self) -> Option<usize> {
-        let pixels = self.size[0].checked_mul(self.size[1])?;
+        // Without pixels, no sum would bear witness to how many layers there are.
+        let pixels = self.size[0].checked_mul(self.size[1]).filter(|&pixels| pixels > 0)?;
         let each = 4 + if self.has_weights { 3 } else { 0 } + LayerSums::channels(self.layers()?);
         let of_pixels = pixels.checked_mul(each * ExactSums::BYTES)?;
         // There are fewer blocks than pixels.

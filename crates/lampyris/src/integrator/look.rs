@@ -307,7 +307,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
 
     fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> bool {
         if S::TIMED && path.bounce == 0 {
-            self.sink.particle(path.optical_length);
+            self.sink.particle(path.optical_length - point.delay);
         }
         if path.bounce < self.max_bounces {
             let weight = |illumination: &Illumination| {

@@ -222,6 +222,7 @@ pub(super) fn gather<S: Sink>(
 ) {
     // The event in which the photons are read is one of the path's, too.
     let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
+    let aside = sampler.aside();
     map.gather(segment, path.slowness, sampler, |beam, light, [leg, way]| {
         if u32::from(beam.bounce) > most {
             return;
@@ -233,6 +234,8 @@ pub(super) fn gather<S: Sink>(
         }
         let events = path.bounce + 1 + u32::from(beam.bounce);
         let met = Met { events, is_caustic: path.bounce == 0 && beam.is_caustic(), particles: true };
-        sink.add(light, met, path.optical_length + way);
+        let key = [beam.path, u32::from(beam.bounce) << 16 | path.bounce & 0xffff];
+        let delay = if S::TIMED { segment.matter.delay(|| aside.uniform(key)) } else { 0.0 };
+        sink.add(light, met, path.optical_length + way + delay);
     });
 }
