@@ -30,7 +30,7 @@ pub struct Exposure {
 pub struct Arrival {
     /// The number of the pixel, row by row.
     pub pixel: u32,
-    /// Its [slot](super::Clock::slot) in time.
+    /// Its [slot](super::Clock::note) in time.
     pub slot: u32,
     /// Linear radiance in RGB, as in [`Exposure::image`].
     pub light: [f32; 3],

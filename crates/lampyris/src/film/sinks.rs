@@ -59,7 +59,7 @@ pub trait Sink: Clone + Send + Sync {
         None
     }
 
-    /// When what was added arrived: the [slots](super::Clock::slot) that have light, in their order, in the lanes of the
+    /// When what was added arrived: the [slots](super::Clock::note) that have light, in their order, in the lanes of the
     /// pass.
     fn settle(&mut self) -> &[(u32, Spectrum)] {
         &[]

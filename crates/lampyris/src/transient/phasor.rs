@@ -52,10 +52,11 @@ impl Transient {
         Ok(Phasors { width: self.width(), height: self.height(), frequencies, start, values })
     }
 
-    /// [`phasor_frequencies`] of its bins.
+    /// The frequencies that mitransient's `phasor_hdr_film` takes for `wl_mean` and `wl_sigma`, in scene units, and bins like
+    /// these: multiples of 1/(bins × bin width) about 1/`wl_mean`.
     ///
     /// # Errors
-    /// As there.
+    /// Wavelengths that are not positive numbers, or frequencies above what the bins can tell.
     pub fn phasor_frequencies(&self, wl_mean: f64, wl_sigma: f64) -> Result<Vec<f64>> {
         phasor_frequencies(self.bins(), self.axis().bin_width, wl_mean, wl_sigma)
     }
