@@ -14,6 +14,7 @@ use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
+use super::sharing::Sharing;
 use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
@@ -121,6 +122,7 @@ impl Auto {
 struct Merged<'a> {
     scene: &'a Scene,
     maps: Maps,
+    sharing: Sharing,
     merging: Merging,
     limits: Limits,
 }
@@ -130,7 +132,8 @@ impl Eye for Merged<'_> {
 
     fn look<S: Sink>(&self, path: PathState, sampler: &mut Sampler, found: &mut Nearest, sink: &mut S) -> u32 {
         let merge = Merge::new(&self.maps.surface, self.merging, found);
-        let mut look = Look::merging(self.scene, self.limits.max_bounces, sink, merge, self.maps.volume.as_ref());
+        let volume = self.maps.volume.as_ref().map(|map| (map, self.sharing));
+        let mut look = Look::merging(self.scene, self.limits.max_bounces, sink, merge, volume);
         walk(self.scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }
@@ -162,7 +165,8 @@ impl Pilot {
             let counting = Counting::new(observer);
             pilot.volume = pilot.volume_estimate(scene, film, settings, seed, &counting);
             let maps = pilot.look_around(scene, film, settings, &pass, &counting);
-            let judgement = guiding::judge(scene, film, settings, &pass, &maps, pilot.merging(1.0));
+            let ways = (pilot.merging(1.0), Sharing::of(pilot.volume, &maps));
+            let judgement = guiding::judge(scene, film, settings, &pass, &maps, ways);
             if round < rounds {
                 pilot.learned = pilot.learned.map(|learned| learned.more(scene, &pass, &judgement.worth));
                 continue;
@@ -177,7 +181,10 @@ impl Pilot {
         let pass = Pass { index: pilot::PASS - rounds - 1, seed };
         let scene = &*guided(scene, &pilot.guide());
         pilot.look_around(scene, film, settings, &pass, observer);
-        pilot.volume = pilot.volume_estimate(scene, film, settings, seed, observer);
+        pilot.volume = pilot.volume_estimate(scene, film, settings, seed, observer).map(|estimate| {
+            let direct = Sharing::measure(scene, film, settings, pilot.photons(settings), estimate, seed, observer);
+            VolumeEstimate { direct, ..estimate }
+        });
         pilot
     }
 
@@ -204,8 +211,12 @@ impl Pilot {
         let (kernel, shrinks, count) = (Kernel::Epanechnikov, true, VOLUME_COUNT);
         let enough = settings.photons.is_none().then_some(ENOUGH_BEAMS);
         let wishes = Wishes { volume, radius, alpha, kernel, shrinks, count, enough };
-        let photons = Photons { paths: self.paths, max_bounces: settings.max_bounces, direct: false, volume: None };
-        VolumeEstimate::new(scene, film, wishes, photons, seed, observer)
+        VolumeEstimate::new(scene, film, wishes, self.photons(settings), seed, observer)
+    }
+
+    /// Which photons a pass leaves on surfaces.
+    fn photons(&self, settings: &AutoSettings) -> Photons {
+        Photons { paths: self.paths, max_bounces: settings.max_bounces, direct: false, volume: None }
     }
 
     /// Leaves photons and sets the radii by them.
@@ -340,7 +351,8 @@ impl Integrator for Auto {
         let maps = photon_maps(scene, &merging, self.pilot.volume, max_bounces, pass, observer);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let eye = Merged { scene, maps, merging, limits };
+        let sharing = Sharing::of(self.pilot.volume, &maps);
+        let eye = Merged { scene, maps, sharing, merging, limits };
         camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye)
     }
 

@@ -12,6 +12,7 @@ use super::blocks::emitted;
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Maps;
+use super::sharing::Sharing;
 use crate::film::{Plain, Sink};
 use crate::light::{Focus, Guide, Lesson, LightId};
 use crate::material::Event;
@@ -159,7 +160,7 @@ pub(super) fn judge(
     settings: &AutoSettings,
     pass: &Pass,
     maps: &Maps,
-    merging: Merging,
+    (merging, sharing): (Merging, Sharing),
 ) -> Judgement {
     let limits = Limits { max_bounces: settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
     let size = Vec2::new(film.size[0] as f32, film.size[1] as f32);
@@ -175,7 +176,8 @@ pub(super) fn judge(
             };
             let (mut sink, mut tally) = (Plain::default(), Vec::new());
             let merge = Merge::new(&maps.surface, merging, &mut found).tallied(&mut tally);
-            let mut look = Look::merging(scene, limits.max_bounces, &mut sink, merge, maps.volume.as_ref());
+            let volume = maps.volume.as_ref().map(|map| (map, sharing));
+            let mut look = Look::merging(scene, limits.max_bounces, &mut sink, merge, volume);
             let rays = walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut look).rays;
             Seen { light: sink.radiance().mean(), tally, rays }
         };

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use super::sharing::Sharing;
 use super::volume::gather;
 use crate::film::Sink;
 use crate::light::{Illumination, LightId};
@@ -31,7 +32,8 @@ pub(super) struct Look<'a, S, const MERGES: bool> {
     /// Smooth events so far.
     smooth_events: u32,
     merge: Option<Merge<'a>>,
-    volume: Option<&'a VolumeMap>,
+    /// Photons in media, and what part of the light straight from lamps is left to them.
+    volume: Option<(&'a VolumeMap, Sharing)>,
 }
 
 /// How paths from the camera are merged with the photons of a pass.
@@ -211,7 +213,7 @@ impl<'a, S> Look<'a, S, true> {
         max_bounces: u32,
         sink: &'a mut S,
         merge: Merge<'a>,
-        volume: Option<&'a VolumeMap>,
+        volume: Option<(&'a VolumeMap, Sharing)>,
     ) -> Look<'a, S, true> {
         Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge: Some(merge), volume }
     }
@@ -244,11 +246,15 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
     const CROSSING: Crossing = if MERGES { Crossing::Fade } else { Crossing::Collide };
 
     fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
-        if let Some(map) = self.volume
+        if let Some((map, sharing)) = self.volume
             && self.smooth_events == 0
         {
             let mut tally = self.merge.as_mut().and_then(|merge| merge.tally.as_deref_mut());
-            gather(map, segment, path, self.max_bounces, sampler, self.sink, |beam, light| {
+            if path.bounce < self.max_bounces {
+                sharing.shadow_ray(self.scene, segment, path, sampler, self.sink);
+            }
+            let direct = |distance| sharing.of_photons(distance);
+            gather(map, segment, path, self.max_bounces, sampler, self.sink, direct, |beam, light| {
                 if let Some(tally) = &mut tally {
                     tally.push((beam.path, light.mean()));
                 }

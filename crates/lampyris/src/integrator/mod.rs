@@ -11,6 +11,7 @@ mod photon_map;
 mod photons;
 mod pilot;
 mod range;
+mod sharing;
 #[cfg(test)]
 mod tests;
 mod volume;

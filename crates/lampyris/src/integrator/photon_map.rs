@@ -188,7 +188,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
 
     fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
         if let Some(map) = self.volume {
-            gather(map, segment, path, self.max_bounces, sampler, self.sink, |_, _| {});
+            gather(map, segment, path, self.max_bounces, sampler, self.sink, |_| 1.0, |_, _| {});
         }
     }
 

@@ -13,7 +13,7 @@ pub(super) struct Photons {
     pub paths: u64,
     /// How long paths may become, from lamp to eye, in scattering events.
     pub max_bounces: u32,
-    /// Whether light that comes straight from a lamp is stored, too.
+    /// Whether light that comes straight from a lamp is stored on surfaces, too.
     pub direct: bool,
     /// How light in media is estimated, if there are any.
     pub volume: Option<VolumeEstimate>,
@@ -51,6 +51,7 @@ impl Photons {
             volume,
             volume_paths,
             direct,
+            direct_in_media: self.volume.is_some_and(|estimate| estimate.direct > 0.0),
             max_bounces,
             path: 0,
             parallel: false,

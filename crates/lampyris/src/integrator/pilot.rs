@@ -77,18 +77,30 @@ pub(super) fn gather_points(
     seed: u64,
     visit: impl FnMut(&SurfacePoint, &PathState, u32) -> Lobes,
 ) {
-    let [width, height] = film.size.map(|side| side as f32);
-    let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
     let mut visitor = GatherPoints { visit, smooth_events: 0 };
     for index in 0..RAYS {
-        let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, index);
-        let pixel = sampler.square() * Vec2::new(width, height);
-        let (ray, _) = scene.view(pixel, &mut sampler);
-        let path =
-            PathState { cone: scene.cone(), inside: scene.inside_of_view(&ray), ..PathState::new(ray, Spectrum::ONE) };
         visitor.smooth_events = 0;
-        walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut visitor);
+        look(scene, film, max_bounces, seed, index, &mut visitor);
     }
+}
+
+/// Shows the visitor a path from the camera, through a random place of the picture that the number chooses.
+pub(super) fn look<V: Visitor>(
+    scene: &Scene,
+    film: &FilmDescription,
+    max_bounces: u32,
+    seed: u64,
+    number: u64,
+    visitor: &mut V,
+) {
+    let [width, height] = film.size.map(|side| side as f32);
+    let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
+    let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, number);
+    let pixel = sampler.square() * Vec2::new(width, height);
+    let (ray, _) = scene.view(pixel, &mut sampler);
+    let path =
+        PathState { cone: scene.cone(), inside: scene.inside_of_view(&ray), ..PathState::new(ray, Spectrum::ONE) };
+    walk(scene, path, Origin::Camera, &limits, &mut sampler, visitor);
 }
 
 struct GatherPoints<F> {

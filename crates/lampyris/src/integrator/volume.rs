@@ -1,23 +1,22 @@
 //! How light in media is estimated: by what kind of photons, and within which radius (theory §9.4).
 
-use glam::Vec2;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Photons;
-use super::pilot::{PASS, fallback, median};
+use super::pilot::{PASS, fallback, look, median};
+use super::sharing::from_lamp;
 use super::{Observer, Pass};
 use crate::film::Sink;
 use crate::material::Lobes;
 use crate::medium::MediumId;
 use crate::photon::{Beam, Kernel, Radius, Volume, VolumeMap, shrunk};
-use crate::sampler::{Sampler, purpose};
+use crate::sampler::Sampler;
 use crate::scene::description::FilmDescription;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 use crate::transient::Met;
-use crate::transport::{Crossing, Limits, Origin, PathState, Segment, Visitor, walk};
+use crate::transport::{Crossing, PathState, Segment, Visitor};
 
 /// What is estimated how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +31,8 @@ pub(super) struct VolumeEstimate {
     pub alpha: Option<f32>,
     /// By photons of so many light paths of a pass, at most.
     pub paths: u64,
+    /// The part of the light straight from lamps that photons bring, 0 to 1: see [`Sharing`](super::sharing::Sharing).
+    pub direct: f32,
 }
 
 /// What a user may say of it.
@@ -82,7 +83,8 @@ impl VolumeEstimate {
                 Volume::Balls => 4.0 / 7.0,
             };
             let alpha = wishes.shrinks.then(|| wishes.alpha.unwrap_or(optimum));
-            let estimate = VolumeEstimate { volume, kernel: wishes.kernel, radius: 1.0, alpha, paths: u64::MAX };
+            let estimate =
+                VolumeEstimate { volume, kernel: wishes.kernel, radius: 1.0, alpha, paths: u64::MAX, direct: 1.0 };
             let paths = wishes.enough.map_or(u64::MAX, |enough| estimate.paths(scene, enough, photons, seed, observer));
             let (estimate, photons) =
                 (VolumeEstimate { paths, ..estimate }, Photons { paths: photons.paths.min(paths), ..photons });
@@ -105,7 +107,8 @@ impl VolumeEstimate {
     /// Whether it can have been chosen so: films come from anywhere.
     pub(super) fn is_fit(&self) -> bool {
         let alpha = self.alpha.is_none_or(|alpha| (0.0..=1.0).contains(&alpha));
-        self.radius.is_finite() && self.radius > 0.0 && alpha && self.paths > 0
+        let direct = (0.0..=1.0).contains(&self.direct);
+        self.radius.is_finite() && self.radius > 0.0 && alpha && direct && self.paths > 0
     }
 
     /// The radius in a pass.
@@ -150,20 +153,15 @@ impl VolumeEstimate {
         let pass = Pass { index: PASS, seed };
         let photons = Photons { paths, volume: Some(VolumeEstimate { radius: f32::MAX.sqrt(), ..*self }), ..photons };
         let map = photons.maps(scene, &pass, Radius::Fixed(fallback(scene)), || None, observer).volume?;
-        let [width, height] = film.size.map(|side| side as f32);
-        let limits = Limits { max_bounces: photons.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let ray = |index: u64| {
-            let mut sampler = Sampler::new(seed, PASS, purpose::PILOT, index);
-            let (ray, _) = scene.view(sampler.square() * Vec2::new(width, height), &mut sampler);
-            let path = PathState { inside: scene.inside_of_view(&ray), ..PathState::new(ray, Spectrum::ONE) };
+        let typical = |ray: u64| {
             let mut along = Along { map: &map, distances: Vec::new() };
-            walk(scene, path, Origin::Camera, &limits, &mut sampler, &mut along);
+            look(scene, film, photons.max_bounces, seed, ray, &mut along);
             along.distances.sort_unstable_by(f32::total_cmp);
             let at = (count as usize).min(along.distances.len().checked_sub(1)?);
             // If there are fewer photons, by their density.
             Some(along.distances[at] * (count / (at as f32 + 1.0)).max(1.0).powf(1.0 / self.dimensions()))
         };
-        median((0..RAYS).into_par_iter().filter_map(ray).collect())
+        median((0..RAYS).into_par_iter().filter_map(typical).collect())
     }
 
     /// Of the blur.
@@ -210,7 +208,9 @@ impl Visitor for Along<'_> {
     }
 }
 
-/// Leaves at `sink` the light of all photons that have been scattered at most so often and shine along a segment, and tells of each.
+/// Leaves at `sink` the light of all photons that have been scattered at most so often and shine along a segment, and tells of
+/// each; of light straight from a lamp that shadow rays find, too, at this distance, so much.
+#[allow(clippy::too_many_arguments, reason = "each is another part of what a path sees")]
 pub(super) fn gather<S: Sink>(
     map: &VolumeMap,
     segment: &Segment,
@@ -218,6 +218,7 @@ pub(super) fn gather<S: Sink>(
     max_bounces: u32,
     sampler: &mut Sampler,
     sink: &mut S,
+    direct: impl Fn(f32) -> f32,
     mut tell: impl FnMut(&Beam, Spectrum),
 ) {
     // The event in which the photons are read is one of the path's, too.
@@ -227,7 +228,8 @@ pub(super) fn gather<S: Sink>(
         if u32::from(beam.bounce) > most {
             return;
         }
-        let light = path.throughput * light;
+        let share = if beam.is_rivalled() { direct(from_lamp([leg, way], path)) } else { 1.0 };
+        let light = path.throughput * light * share;
         tell(beam, light);
         if S::TIMED && path.bounce == 0 {
             sink.particle(path.optical_length + leg);

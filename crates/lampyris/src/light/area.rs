@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Span, Start, aim};
 use crate::geometry::{Ray, Shape, Surface, Surfaces};
 use crate::math::Frame;
 use crate::sampler::Sampler;
@@ -22,13 +22,17 @@ pub struct Area {
     /// Whether the back shines, too.
     pub two_sided: bool,
     power: Spectrum,
+    /// See [`Span::center`].
+    center: Option<(Vec3, f32)>,
 }
 
 impl Area {
     /// The shape of this number and geometry as a light.
     pub fn new(shape: u32, geometry: &Shape, radiance: Texture, two_sided: bool) -> Area {
         let mean = mean(&radiance, geometry);
-        let mut area = Area { shape, radiance, two_sided, power: Spectrum::ZERO };
+        // About half the side of a square, or the radius of a ball.
+        let center = geometry.bounds().map(|bounds| (bounds.center(), 0.6 * bounds.radius()));
+        let mut area = Area { shape, radiance, two_sided, power: Spectrum::ZERO, center };
         area.power = mean * area.per_radiance(geometry.area());
         area
     }
@@ -92,6 +96,10 @@ impl Emit for Area {
             emission,
             normal: surface.normal,
         })
+    }
+
+    fn span(&self, _: &Ray, length: f32) -> Option<Span> {
+        Some(Span::whole(length, self.center))
     }
 
     fn aim(&self) -> Option<&dyn Aim> {

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Emission, Emit, Illumination, Source};
+use super::{Emission, Emit, Illumination, Source, Span};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::{Frame, warp};
 use crate::sampler::Sampler;
@@ -51,6 +51,10 @@ impl Emit for Beam {
             emission: self.density(),
             normal: Vec3::ZERO,
         })
+    }
+
+    fn span(&self, ray: &Ray, length: f32) -> Option<Span> {
+        Span::whole(length, None).in_cylinder(ray, (self.position, self.direction.normal), self.radius)
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {

@@ -12,6 +12,7 @@ mod guide;
 mod point;
 mod projector;
 mod sky;
+mod span;
 mod spot;
 mod world;
 
@@ -29,6 +30,7 @@ pub use guide::{Guide, Leaving, Lesson};
 pub use point::Point;
 pub use projector::Projector;
 pub use sky::{Sky, sky_picture, sun_irradiance};
+pub use span::{Equiangular, Span};
 pub use spot::Spot;
 pub use world::World;
 
@@ -125,6 +127,11 @@ pub trait Emit {
 
     /// Light that arrives at `at`: for next-event estimation. None if this draw has no light.
     fn illuminate(&self, surfaces: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination>;
+
+    /// On which part of a ray of this length it can shine; none if on no part.
+    fn span(&self, _ray: &Ray, length: f32) -> Option<Span> {
+        Some(Span::whole(length, None))
+    }
 
     /// The light as one whose photons can be aimed, if it is that.
     fn aim(&self) -> Option<&dyn Aim> {

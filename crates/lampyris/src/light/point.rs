@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Span, Start, aim};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::Frame;
 use crate::sampler::Sampler;
@@ -26,6 +26,10 @@ impl Emit for Point {
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
         from_point(self.position, at, |_| (self.intensity, PDF))
+    }
+
+    fn span(&self, _: &Ray, length: f32) -> Option<Span> {
+        Some(Span::whole(length, Some((self.position, 0.0))))
     }
 
     fn aim(&self) -> Option<&dyn Aim> {

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Emission, Emit, Illumination, Source, point};
+use super::{Emission, Emit, Illumination, Source, Span, point};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::Grid;
 use crate::sampler::Sampler;
@@ -86,6 +86,12 @@ impl Emit for Projector {
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
         point::from_point(self.position, at, |direction| self.intensity(direction))
             .filter(|illumination| !illumination.irradiance.is_zero())
+    }
+
+    fn span(&self, ray: &Ray, length: f32) -> Option<Span> {
+        let [.., forward] = self.axes;
+        let whole = Span::whole(length, Some((self.position, 0.0)));
+        whole.in_cone(ray, self.position, forward, self.half.length().atan())
     }
 
     fn power(&self, _: &Surfaces) -> Spectrum {

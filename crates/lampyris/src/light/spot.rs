@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, aim, point};
+use super::{Aim, Emission, Emit, Illumination, Section, Source, Span, Start, aim, point};
 use crate::geometry::{Ray, Surfaces};
 use crate::math::Frame;
 use crate::sampler::Sampler;
@@ -64,6 +64,11 @@ impl Emit for Spot {
     fn illuminate(&self, _: &Surfaces, at: Vec3, _: &mut Sampler) -> Option<Illumination> {
         point::from_point(self.position, at, |direction| (self.intensity * self.falloff(direction), self.pdf()))
             .filter(|illumination| !illumination.irradiance.is_zero())
+    }
+
+    fn span(&self, ray: &Ray, length: f32) -> Option<Span> {
+        let whole = Span::whole(length, Some((self.position, 0.0)));
+        whole.in_cone(ray, self.position, self.axis.normal, self.cutoff)
     }
 
     fn aim(&self) -> Option<&dyn Aim> {

@@ -126,6 +126,13 @@ impl Cloud {
         self.bounds.values.iter().copied().fold(0.0, f32::max)
     }
 
+    /// Where a ray enters and leaves the box, up to a distance.
+    pub(super) fn extent(&self, ray: &Ray, distance: f32) -> Option<(f32, f32)> {
+        let [origin, direction] =
+            [self.density.to_unit.transform_point3(ray.origin), self.density.to_unit.transform_vector3(ray.direction)];
+        within(origin, direction, Vec3::ONE, distance)
+    }
+
     /// Tells of the parts of a ray up to a distance that lie in the box, one after the other, as (from, to, upper bound of
     /// the density), until `visit` has enough (false).
     pub(super) fn along(&self, ray: &Ray, distance: f32, mut visit: impl FnMut(f32, f32, f32) -> bool) {

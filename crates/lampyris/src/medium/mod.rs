@@ -10,7 +10,7 @@ pub use flight::{Flight, Matter};
 pub use grid::{Cloud, Grid, VolumeData};
 pub use inside::{Inside, Interior};
 pub use phase::{Phase, Table};
-pub use tracking::Fading;
+pub use tracking::{Depth, Fading};
 
 use std::sync::Arc;
 

@@ -21,8 +21,10 @@ pub struct Deposit<'s> {
     pub volume: Volume,
     /// By the paths before this number alone.
     pub volume_paths: u64,
-    /// Whether light that comes straight from a lamp is stored, too.
+    /// Whether light that comes straight from a lamp is stored on surfaces, too.
     pub direct: bool,
+    /// And in media.
+    pub direct_in_media: bool,
     /// The longest light path from lamp to eye, in scattering events.
     pub max_bounces: u32,
     /// The number of the path.
@@ -75,7 +77,11 @@ impl<'s> Instead<'s> {
 impl Deposit<'_> {
     /// Whether light that a path leaves in a medium can come to the camera.
     fn readable_in(&self, matter: &Matter, path: &PathState) -> bool {
-        u64::from(self.path) < self.volume_paths && path.bounce < self.max_bounces && !matter.scattering.is_zero()
+        let wants = self.direct_in_media || path.bounce > 0 || path.hidden_lamp;
+        wants
+            && u64::from(self.path) < self.volume_paths
+            && path.bounce < self.max_bounces
+            && !matter.scattering.is_zero()
     }
 
     /// Whether a photon is wanted here, if there is a smooth lobe.

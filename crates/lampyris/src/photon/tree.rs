@@ -1,14 +1,17 @@
 //! A tree of boxes, to find those that a ray goes through.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use crate::geometry::{Bounds, Ray};
 
-/// Boxes by their numbers, in a balanced tree. Equal boxes give an equal tree, on any number of threads.
+/// Boxes in a balanced tree, by their places in an order in which those of a leaf lie together. Equal boxes give an equal
+/// tree, on any number of threads.
 #[derive(Debug, Default)]
 pub(super) struct BoxTree {
-    /// The numbers of the boxes, so that those of a leaf lie together.
-    order: Vec<u32>,
+    /// How many boxes there are.
+    count: usize,
     /// A full binary tree: the children of node i are 2 i + 1 and 2 i + 2. A power of two of leaves.
     nodes: Vec<Bounds>,
     leaves: usize,
@@ -21,33 +24,34 @@ const LEAF: usize = 4;
 const FEW: usize = 8192;
 
 impl BoxTree {
-    pub(super) fn new(boxes: &[Bounds]) -> BoxTree {
+    /// The tree, and the numbers of the boxes in its order.
+    pub(super) fn new(boxes: &[Bounds]) -> (BoxTree, Vec<u32>) {
         if boxes.is_empty() {
-            return BoxTree::default();
+            return (BoxTree::default(), Vec::new());
         }
-        let leaves = boxes.len().div_ceil(LEAF).next_power_of_two();
-        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        arrange(boxes, &mut order, leaves);
-        let mut tree = BoxTree { order, nodes: vec![Bounds::EMPTY; 2 * leaves - 1], leaves };
+        let count = boxes.len();
+        let leaves = count.div_ceil(LEAF).next_power_of_two();
+        let mut items: Vec<Item> = (0..).zip(boxes).map(|(number, bounds)| (bounds.center(), number)).collect();
+        arrange(&mut items, leaves);
+        let mut tree = BoxTree { count, nodes: vec![Bounds::EMPTY; 2 * leaves - 1], leaves };
         for node in (0..tree.nodes.len()).rev() {
             tree.nodes[node] = if node + 1 < leaves {
                 tree.nodes[2 * node + 1].union(tree.nodes[2 * node + 2])
             } else {
-                tree.leaf(node).iter().fold(Bounds::EMPTY, |all, &number| all.union(boxes[number as usize]))
+                items[tree.leaf(node)].iter().fold(Bounds::EMPTY, |all, &(_, number)| all.union(boxes[number as usize]))
             };
         }
-        tree
+        (tree, items.into_iter().map(|(_, number)| number).collect())
     }
 
-    /// The boxes of a leaf.
-    fn leaf(&self, node: usize) -> &[u32] {
-        let (leaf, count) = (node + 1 - self.leaves, self.order.len());
-        &self.order[share(count, leaf, self.leaves)..share(count, leaf + 1, self.leaves)]
+    /// The places of a leaf's boxes.
+    fn leaf(&self, node: usize) -> Range<usize> {
+        let leaf = node + 1 - self.leaves;
+        share(self.count, leaf, self.leaves)..share(self.count, leaf + 1, self.leaves)
     }
 
-    /// Calls `visit` with the numbers of boxes that together are all those through which the ray goes before `max`, in an
-    /// order that is the tree's.
-    pub(super) fn along(&self, ray: &Ray, max: f32, mut visit: impl FnMut(usize)) {
+    /// Calls `visit` with ranges of places that together hold all boxes through which the ray goes before `max`.
+    pub(super) fn along(&self, ray: &Ray, max: f32, mut visit: impl FnMut(Range<usize>)) {
         // Without directions of zero, which make no finite inverse.
         let inverse = ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e20_f32.copysign(d) } else { 1.0 / d });
         let inverse = Vec3::from_array(inverse);
@@ -67,7 +71,7 @@ impl BoxTree {
                 stack[depth + 1] = 2 * node + 1;
                 depth += 2;
             } else {
-                self.leaf(node).iter().for_each(|&number| visit(number as usize));
+                visit(self.leaf(node));
             }
         }
     }
@@ -78,29 +82,29 @@ fn share(count: usize, part: usize, parts: usize) -> usize {
     (count as u64 * part as u64 / parts as u64) as usize
 }
 
+/// The middle of a box, and its number.
+type Item = (Vec3, u32);
+
 /// Sorts boxes so that each of so many leaves gets its share of neighbours.
-fn arrange(boxes: &[Bounds], order: &mut [u32], leaves: usize) {
+fn arrange(items: &mut [Item], leaves: usize) {
     if leaves == 1 {
         return;
     }
-    let center = |number: u32| boxes[number as usize].center();
-    let (low, high) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &number| {
-        (low.min(center(number)), high.max(center(number)))
-    });
+    let (low, high) =
+        items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (at, _)| (low.min(*at), high.max(*at)));
     let axis = (high - low).max_position();
-    let middle = order.len() / 2;
+    let middle = items.len() / 2;
     if middle > 0 {
         // By number where places are equal: one order only.
-        let by_place = |a: &u32, b: &u32| center(*a)[axis].total_cmp(&center(*b)[axis]).then(a.cmp(b));
-        order.select_nth_unstable_by(middle, by_place);
+        items.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
     }
-    let worth_it = order.len() > FEW;
-    let (first, second) = order.split_at_mut(middle);
+    let worth_it = items.len() > FEW;
+    let (first, second) = items.split_at_mut(middle);
     if worth_it {
-        rayon::join(|| arrange(boxes, first, leaves / 2), || arrange(boxes, second, leaves / 2));
+        rayon::join(|| arrange(first, leaves / 2), || arrange(second, leaves / 2));
     } else {
-        arrange(boxes, first, leaves / 2);
-        arrange(boxes, second, leaves / 2);
+        arrange(first, leaves / 2);
+        arrange(second, leaves / 2);
     }
 }
 
@@ -120,12 +124,12 @@ mod tests {
                     Bounds { min: corner, max: corner + side }
                 })
                 .collect();
-            let tree = BoxTree::new(&boxes);
+            let (tree, order) = BoxTree::new(&boxes);
             for _ in 0..50 {
                 let ray = Ray { origin: point(), direction: (point() - 0.5).normalize() };
                 let max = 0.7;
                 let mut found = Vec::new();
-                tree.along(&ray, max, |number| found.push(number));
+                tree.along(&ray, max, |places| found.extend(order[places].iter().map(|&number| number as usize)));
                 let all = found.len();
                 found.sort_unstable();
                 found.dedup();
@@ -147,10 +151,10 @@ mod tests {
         for count in 1..200 {
             let boxes: Vec<Bounds> =
                 (0..count).map(|i| Bounds { min: Vec3::splat(i as f32), max: Vec3::splat(i as f32 + 0.5) }).collect();
-            let tree = BoxTree::new(&boxes);
+            let (tree, order) = BoxTree::new(&boxes);
             let ray = Ray { origin: Vec3::splat(-1.0), direction: Vec3::ONE.normalize() };
             let mut found = Vec::new();
-            tree.along(&ray, 1e9, |number| found.push(number));
+            tree.along(&ray, 1e9, |places| found.extend(order[places].iter().map(|&number| number as usize)));
             found.sort_unstable();
             assert!(found.into_iter().eq(0..count));
         }

@@ -39,6 +39,8 @@ pub struct Beam {
     pub bounce: u16,
     /// Which events these were.
     pub history: Lobes,
+    /// Whether its path began at a lamp that no shadow ray finds.
+    pub hidden_lamp: bool,
 }
 
 impl Beam {
@@ -56,6 +58,7 @@ impl Beam {
             path: number,
             bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),
             history: path.history,
+            hidden_lamp: path.hidden_lamp,
         }
     }
 
@@ -70,6 +73,11 @@ impl Beam {
         }
     }
 
+    /// Whether it came straight from a lamp that shadow rays find, too.
+    pub fn is_rivalled(&self) -> bool {
+        self.bounce == 0 && !self.hidden_lamp
+    }
+
     /// Whether it came from the lamp by mirrors and glass alone, and by at least one of them.
     pub fn is_caustic(&self) -> bool {
         PathState::is_caustic_history(self.history)
@@ -80,7 +88,7 @@ impl Beam {
 #[derive(Debug)]
 pub struct VolumeMap {
     beams: Vec<Beam>,
-    /// A part of a beam for each box of the tree: its number, and from where on to where.
+    /// A part of a beam for each box of the tree, in its order.
     parts: Vec<Part>,
     tree: BoxTree,
     volume: Volume,
@@ -89,11 +97,16 @@ pub struct VolumeMap {
     paths_emitted: u64,
 }
 
+/// A part of a beam, with all that tells whether a ray meets it: most are asked for nothing more.
 #[derive(Clone, Copy, Debug)]
 struct Part {
-    beam: u32,
+    /// As of the beam.
+    start: Vec3,
+    direction: Vec3,
     from: f32,
     to: f32,
+    /// The number of the beam.
+    beam: u32,
 }
 
 /// A beam is cut into at most so many boxes, and not much shorter ones than its kernel is wide.
@@ -126,10 +139,21 @@ impl VolumeMap {
                 let [from, to] = [part, part + 1].map(|end| length * end as f32 / count);
                 let ends = [from, to].map(|along| beam.start + beam.direction * along);
                 boxes.push(Bounds { min: ends[0].min(ends[1]) - radius, max: ends[0].max(ends[1]) + radius });
-                parts.push(Part { beam: number, from, to });
+                parts.push(Part { start: beam.start, direction: beam.direction, from, to, beam: number });
             }
         }
-        VolumeMap { tree: BoxTree::new(&boxes), beams, parts, volume, kernel, radius, paths_emitted }
+        let (tree, order) = BoxTree::new(&boxes);
+        let parts = order.into_iter().map(|part: u32| parts[part as usize]).collect();
+        VolumeMap { tree, beams, parts, volume, kernel, radius, paths_emitted }
+    }
+
+    fn beam(&self, part: &Part) -> &Beam {
+        &self.beams[part.beam as usize]
+    }
+
+    /// The parts of beams that a ray may meet before `max`.
+    fn parts_along(&self, ray: &Ray, max: f32, mut visit: impl FnMut(&Part)) {
+        self.tree.along(ray, max, |places| self.parts[places].iter().for_each(&mut visit));
     }
 
     /// All of them.
@@ -173,12 +197,12 @@ impl VolumeMap {
         let Segment { ray, length, matter } = segment;
         let fading = matter.fading(ray, *length, sampler);
         let kernel = self.kernel.weight::<2>(self.radius);
-        self.tree.along(ray, *length, |part| {
-            let beam = &self.beams[self.parts[part].beam as usize];
-            let offset = beam.start - ray.origin;
+        self.parts_along(ray, *length, |part| {
+            let offset = part.start - ray.origin;
             let t = offset.dot(ray.direction);
             let weight = kernel((offset - ray.direction * t).length_squared());
-            if weight > 0.0 && t > 0.0 && t < *length && beam.medium == matter.id {
+            if weight > 0.0 && t > 0.0 && t < *length && self.beam(part).medium == matter.id {
+                let beam = self.beam(part);
                 let phase = matter.phase.value(-beam.direction.dot(ray.direction));
                 let light = fading.at(t) * matter.albedo_at(beam.start) * beam.flux;
                 tell(beam, light * (phase * weight), t);
@@ -191,20 +215,21 @@ impl VolumeMap {
         let Segment { ray, length, matter } = segment;
         let fading = matter.fading(ray, *length, sampler);
         let kernel = self.kernel.weight::<1>(self.radius);
-        self.tree.along(ray, *length, |part| {
-            let Part { beam, from, to } = self.parts[part];
-            let beam = &self.beams[beam as usize];
-            let across = ray.direction.cross(beam.direction);
-            let (sin2, cos) = (across.length_squared(), ray.direction.dot(beam.direction));
-            if sin2 < PARALLEL || beam.medium != matter.id {
+        self.parts_along(ray, *length, |part| {
+            let Part { start, direction, from, to, .. } = *part;
+            let across = ray.direction.cross(direction);
+            let (sin2, cos) = (across.length_squared(), ray.direction.dot(direction));
+            if sin2 < PARALLEL {
                 return;
             }
-            let offset = beam.start - ray.origin;
-            let (a, b) = (offset.dot(ray.direction), offset.dot(beam.direction));
+            let offset = start - ray.origin;
+            let (a, b) = (offset.dot(ray.direction), offset.dot(direction));
             let (t, u) = ((a - cos * b) / sin2, (cos * a - b) / sin2);
             let weight = kernel(offset.dot(across).powi(2) / sin2);
             // Each crossing belongs to one part of the beam.
-            if weight > 0.0 && t > 0.0 && t < *length && u >= from && u < to {
+            let is_met = weight > 0.0 && t > 0.0 && t < *length && u >= from && u < to;
+            if is_met && self.beam(part).medium == matter.id {
+                let beam = self.beam(part);
                 let flux = beam.flux * matter.left_of_beam(beam.flux, u);
                 let phase = matter.phase.value(-cos);
                 let light = fading.at(t) * matter.scattering_at(beam.start + beam.direction * u) * flux;
@@ -222,10 +247,10 @@ impl VolumeMap {
         let center = ray.at(distance);
         let factor = weight.divided(matter.extinction_at(center)) * albedo;
         let kernel = self.kernel.weight::<3>(self.radius);
-        self.tree.along(&Ray { origin: center, ..*ray }, 0.0, |part| {
-            let beam = &self.beams[self.parts[part].beam as usize];
-            let weight = kernel(beam.start.distance_squared(center));
-            if weight > 0.0 && beam.medium == matter.id {
+        self.parts_along(&Ray { origin: center, ..*ray }, 0.0, |part| {
+            let weight = kernel(part.start.distance_squared(center));
+            if weight > 0.0 && self.beam(part).medium == matter.id {
+                let beam = self.beam(part);
                 let phase = matter.phase.value(-beam.direction.dot(ray.direction));
                 tell(beam, factor * beam.flux * (phase * weight), distance);
             }

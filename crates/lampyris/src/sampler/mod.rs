@@ -44,6 +44,12 @@ impl Sampler {
         Sampler { random, sequence: Some(Sequence::new(sequence, number as u32)) }
     }
 
+    /// Independent numbers without end, for those who take many between two steps.
+    pub fn apart(&mut self) -> Sampler {
+        let key = u64::from(self.random.next_u32()) << 32 | u64::from(self.random.next_u32());
+        Sampler { random: random(mix(key)), sequence: None }
+    }
+
     /// Bits without end for distributions that take as many as they please, such as those of `rand_distr`.
     pub fn bits(self) -> impl Rng {
         self.random

@@ -26,7 +26,7 @@ pub use point::SurfacePoint;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, World};
+use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, Span, World};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::medium::Interior;
@@ -81,6 +81,34 @@ struct Lights {
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
     selection: Distribution,
+}
+
+/// A light that was chosen with this probability.
+#[derive(Clone, Copy, Debug)]
+pub struct Lamp<'s> {
+    scene: &'s Scene,
+    light: LightId,
+    probability: f32,
+}
+
+impl Lamp<'_> {
+    /// Its light that arrives at `at`, in the lanes of the pass and over the probability.
+    #[inline]
+    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
+        let Lamp { scene, light, probability } = *self;
+        let illumination = scene.lights.all[light as usize].emitter().illuminate(&scene.surfaces, at, sampler)?;
+        Some(Illumination {
+            irradiance: scene.basis.lanes(illumination.irradiance / probability),
+            pdf: illumination.pdf.map(|pdf| pdf * probability),
+            emission: illumination.emission / probability,
+            ..illumination
+        })
+    }
+
+    /// On which part of a ray it can shine.
+    pub fn span(&self, ray: &Ray, length: f32) -> Option<Span> {
+        self.scene.lights.all[self.light as usize].emitter().span(ray, length)
+    }
 }
 
 impl Scene {
@@ -308,15 +336,15 @@ impl Scene {
     /// Light that arrives at `at` from one of the lights, with its number, for next-event estimation.
     #[inline]
     pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<(LightId, Illumination)> {
+        let lamp = self.lamp(sampler);
+        Some((lamp.light, lamp.illuminate(at, sampler)?))
+    }
+
+    /// One of the lights, chosen at random, for next-event estimation.
+    #[inline]
+    pub fn lamp(&self, sampler: &mut Sampler) -> Lamp<'_> {
         let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
-        let illumination = self.lights.all[light].emitter().illuminate(&self.surfaces, at, sampler)?;
-        let illumination = Illumination {
-            irradiance: self.basis.lanes(illumination.irradiance / probability),
-            pdf: illumination.pdf.map(|pdf| pdf * probability),
-            emission: illumination.emission / probability,
-            ..illumination
-        };
-        Some((light as LightId, illumination))
+        Lamp { scene: self, light: light as LightId, probability }
     }
 
     /// Density of a photon of this light that comes this way to `at`, per area across it, over that of the shadow ray.

@@ -1,5 +1,6 @@
 //! How light travels: the one random walk, and what both of its directions share.
 
+mod airlight;
 mod direct;
 mod media;
 mod path;
@@ -7,6 +8,7 @@ mod rivals;
 mod roulette;
 mod walk;
 
+pub use airlight::{Airlight, airlight};
 pub use direct::{direct_light, direct_light_in_medium, mis_weight};
 pub use media::{Crossing, MediumPoint, Segment};
 pub use path::{Origin, PathState};

@@ -307,6 +307,7 @@ impl Chain {
             volume: Volume::Points,
             volume_paths: 1,
             direct: false,
+            direct_in_media: false,
             max_bounces,
             path: 0,
             parallel: false,
