@@ -9,7 +9,7 @@ use lampyris::film::{Film, Layer};
 use lampyris::image::Image;
 use lampyris::output::{
     Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, is_hdf5, read_whole,
-    write_picture, write_tal, write_transient, write_whole,
+    write_picture, write_timed, write_whole,
 };
 use lampyris::render::Render;
 use lampyris::transient::Capture;
@@ -79,13 +79,7 @@ pub fn write_all(
     let (timed, plain): (Vec<&Path>, Vec<&Path>) = outputs.iter().partition(holds_time);
     let mut faults: Vec<Error> = plain.iter().filter_map(|path| write_picture(path, picture).err()).collect();
     if let (Some(film), false) = (film, timed.is_empty()) {
-        let transient = film.transient()?;
-        let transient = match capture {
-            Some(capture) => transient.with_capture(capture)?,
-            None => transient,
-        };
-        let write =
-            |path: &&&Path| if is_hdf5(path) { write_tal(path, &transient) } else { write_transient(path, &transient) };
+        let write = |path: &&&Path| write_timed(path, film, capture.as_ref());
         faults.extend(timed.iter().filter_map(|path| write(&path).err()));
     }
     Failure::if_any(faults)

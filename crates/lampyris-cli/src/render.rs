@@ -317,8 +317,18 @@ impl Job<'_> {
 fn bins(clock: &Clock, film: &FilmDescription) -> String {
     let picoseconds = |length: f64| format!("{:.4} ps", length / SPEED_OF_LIGHT * 1e12);
     let gib = film.time.as_ref().map_or(0.0, |time| time.bytes(film.size)) / f64::from(1_u32 << 30);
+    let layers = match clock.layers().count() {
+        0 => String::new(),
+        count => format!(", for all light and {}", plural(count, "layer")),
+    };
+    if let ([first, ..], [.., last]) = (&clock.frequencies()[..], &clock.frequencies()[..]) {
+        let count = clock.frequencies().len();
+        return format!(
+            "amplitudes, frequencies from {first:.6} to {last:.6} cycles a unit ({count}){layers}, up to {gib:.2} GiB"
+        );
+    }
     format!(
-        "{} time bins of {:.6} ({} in metres) from {:.6} ({}), up to {gib:.2} GiB",
+        "{} time bins of {:.6} ({} in metres) from {:.6} ({}){layers}, up to {gib:.2} GiB",
         clock.bins(),
         clock.bin_width(),
         picoseconds(clock.bin_width()),

@@ -42,7 +42,7 @@ fn photons() -> Vec<Photon> {
         normal: Vec3::Z,
         optical_length: 0.0,
         reach: 1.0,
-        ior: 1.0,
+        slowness: 1.0,
         flux: Spectrum::ONE,
         rivals: 0.0,
         path: 0,

@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 3` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 4` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers |
 //! | 8 | the length of the pilot |
@@ -142,7 +142,7 @@ fn said(value: &Value) -> String {
     }
 }
 
-const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 3\n";
+const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 4\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 const CHECKSUM: usize = 4;
@@ -264,6 +264,7 @@ mod tests {
     use crate::import::toml::read_str;
     use crate::scene::description::{FilmDescription, TimeDescription};
     use crate::scene::{NoAssets, NotedAssets};
+    use crate::transient::LightKind;
     use proptest::prelude::*;
 
     fn identity(settings: &str) -> Identity {
@@ -272,10 +273,17 @@ mod tests {
         Identity::new(NotedAssets::new(&NoAssets).fingerprint(&description), &description)
     }
 
-    /// With weights, areas, layers, and time bins with their variance.
+    /// With weights, areas, layers, and time bins with their variance and a layer.
     fn checkpoint(passes: &[u32]) -> Checkpoint {
-        let time =
-            TimeDescription { bins: 5, start: Some(0.1), bin_width: Some(0.7), variance: true, ..Default::default() };
+        let layers = vec![LightKind::Caustic];
+        let (start, bin_width) = (Some(0.1), Some(0.7));
+        checkpoint_of(
+            TimeDescription { bins: 5, start, bin_width, variance: true, layers, ..Default::default() },
+            passes,
+        )
+    }
+
+    fn checkpoint_of(time: TimeDescription, passes: &[u32]) -> Checkpoint {
         let clock = Clock::of(&FilmDescription { time: Some(time), ..Default::default() }).expect("a clock");
         let mut film = Film::with_layers([3, 2], Layers::ALL).with_time(clock);
         let mut held = PassSet::new();
@@ -284,7 +292,7 @@ mod tests {
             let image = Image::from_pixels(3, 2, vec![[value, 0.1, 1e-20 * value]; 6]).expect("six pixels");
             let features = vec![Features { depth: value, met: 0.3, ..Features::default() }; 6];
             let area = Some((pass, 1.0 / f64::from(pass + 1)));
-            let arrival = |pixel| Arrival { pixel, slot: (pass + pixel) % 7, light: [value, 0.1, 0.3] };
+            let arrival = |pixel| Arrival { pixel, slot: (pass + pixel) % 8, light: [value, 0.1, 0.3] };
             let arrivals = (0..6).filter(|pixel| (pass + pixel) % 3 > 0).map(arrival).collect();
             film.add_pass(&Exposure { image, features, weights: vec![1.0 + value; 6], samples: 3, area, arrivals });
             held.insert(pass);
@@ -305,6 +313,20 @@ mod tests {
         assert_eq!((&read.passes, &read.pilot), (&kept.passes, &kept.pilot));
         assert_eq!(kept.identity.difference(&read.identity), None);
         assert_eq!(read.encode(), kept.encode());
+    }
+
+    #[test]
+    fn amplitudes_are_read_as_they_were_written() {
+        let frequencies = vec![0.1, 1.0 / 3.0];
+        let of = |frequencies: &[f64]| {
+            let time = TimeDescription { frequencies: frequencies.to_vec(), bounces: Some(0), ..Default::default() };
+            checkpoint_of(time, &[2, 7])
+        };
+        let (mut kept, others) = (of(&frequencies), of(&[0.1, 0.2]));
+        let read = Checkpoint::decode(&kept.encode()).expect("it is whole");
+        assert_eq!(read, kept);
+        assert_eq!(read.film.clock().map(Clock::frequencies), Some(frequencies));
+        assert!(kept.film.merge(&others.film).is_err(), "of other frequencies");
     }
 
     #[test]

@@ -55,10 +55,13 @@ impl<'s> Render<'s> {
         if film.size() != settings.size.map(|side| side as usize) {
             return Err(Error::new("the film has another size than it should"));
         }
-        match (&mut settings.time, film.clock()) {
-            (Some(time), Some(clock)) => time.fix(clock.start(), clock.bin_width()),
-            (None, None) => {}
-            _ => return Err(Error::new("the film has other time bins than it should")),
+        if let (Some(time), Some(clock)) = (&mut settings.time, film.clock())
+            && !time.keeps_amplitudes()
+        {
+            time.fix(clock.start(), clock.bin_width());
+        }
+        if Clock::of(&settings).as_ref() != film.clock() {
+            return Err(Error::new("the film has other time bins than it should"));
         }
         Ok(Render { scene, film, settings, integrator, seed, passes })
     }

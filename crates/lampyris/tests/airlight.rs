@@ -113,7 +113,15 @@ fn shadow_rays_to_segments_agree_with_flights_to_particles() {
 
 fn matter<'m>(extinction: [f32; 3], cloud: Option<&'m Cloud>) -> Matter<'m> {
     let extinction = Spectrum::from_rgb(extinction);
-    Matter { id: 0, extinction, scattering: extinction, phase: &Phase::Isotropic, cloud, basis: &Basis::Rgb }
+    Matter {
+        id: 0,
+        extinction,
+        scattering: extinction,
+        phase: &Phase::Isotropic,
+        cloud,
+        basis: &Basis::Rgb,
+        delay: 0.0,
+    }
 }
 
 /// Distances by both densities, in even fog of one and of several colours, and in a cloud.

@@ -21,7 +21,7 @@ fn photon(position: Vec3) -> Photon {
         normal: Vec3::Y,
         optical_length: 0.0,
         reach: 1.0,
-        ior: 1.0,
+        slowness: 1.0,
         flux: Spectrum::ONE,
         bounce: 0,
         rivals: 0.0,

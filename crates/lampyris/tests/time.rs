@@ -8,6 +8,7 @@ use lampyris::film::{Film, Layers};
 use lampyris::image::luminance;
 use lampyris::integrator::{Pass, Silent, integrator};
 use lampyris::render::Render;
+use lampyris::spectrum::Dispersion;
 
 /// Settings of a film with these bins.
 fn bins(bins: u32, start: f64, width: f64) -> String {
@@ -200,7 +201,7 @@ fn time_scales_with_the_scene_to_the_bit() {
         // With a range that the pilot finds.
         let seen = |scale: f64| film(&lit(&text(scale), &format!("{way} time.bins=40")), 2, Layers::NONE);
         let (one, large) = (seen(1.0), seen(1024.0));
-        let clocks = [&one, &large].map(|film| *film.clock().expect("time"));
+        let clocks = [&one, &large].map(|film| film.clock().expect("time").clone());
         assert_eq!(
             (1024.0 * clocks[0].start(), 1024.0 * clocks[0].bin_width()),
             (clocks[1].start(), clocks[1].bin_width())
@@ -318,6 +319,55 @@ fn a_slab_delays_light_by_its_thickness_times_index_less_one() {
         let film = film(&lit(&text, &format!("integrator={way}{}", bins(1, at - 1e-4, 2e-4))), 4, Layers::NONE);
         assert!(film.bins(0)[0][1] > 0.05, "{way}");
         assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
+    }
+}
+
+/// A pulse is as slow as its group index says, which is 1.54136 for N-BK7 at the line d; the index that bends light is 1.51680.
+#[test]
+fn a_pulse_is_slower_in_glass_than_the_index_that_bends_it_says_if_group_indices_are_asked_for() {
+    let glass = Dispersion::of_substance("bk7").expect("bk7");
+    let text = "
+        camera = { origin = [0, 2, 0], target = [0, 0, 0], up = [0, 0, 1], fov = 0.002 }
+        film = { size = [1, 1] }
+        lights = [{ type = 'point', position = [1, 0.5, 0], intensity = 3 }]\n"
+        .to_string()
+        + &slab(1.0, 0.75, 0.3, "{ type = 'glass', ior = 'bk7' }")
+        + &square(0.0, 2.0, false, "{ type = 'diffuse', reflectance = 0.5 }");
+    let at = |index: f64| 2.0 + 0.25 * (index - 1.0) + (1.0_f64 + 0.25).sqrt();
+    for way in ["path", "auto photons=100", "photon-map photons=100"] {
+        for (index, value) in [("phase", 1.51680), ("group", 1.54136)] {
+            let range = bins(1, at(value) - 1e-4, 2e-4);
+            let settings = format!("integrator={way} time.index={index} spectral=false{range}");
+            let film = film(&lit(&text, &settings), 4, Layers::NONE);
+            assert!(film.bins(0)[0][1] > 0.05, "{way}, {index}");
+            assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}, {index}");
+        }
+        // Of all colours, red is the first.
+        let settings = format!("integrator={way} time.index=group{}", bins(1, at(glass.group_at(830.0)) - 1e-4, 0.03));
+        let film = film(&lit(&text, &settings), 8, Layers::NONE);
+        assert!(film.bins(0)[0][1] > 0.05, "{way}");
+        assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
+    }
+}
+
+/// The first photon on a floor below glass has come straight down through it.
+#[test]
+fn photons_are_slow_by_the_same_index() {
+    let text = "
+        camera = { origin = [0, 2, 0], target = [0, 0, 0], up = [0, 0, 1] }
+        film = { size = [1, 1] }
+        lights = [{ type = 'point', position = [0, 1.5, 0], power = 1 }]\n"
+        .to_string()
+        + &slab(1.0, 0.5, 3.0, "{ type = 'glass', ior = 'bk7' }")
+        + &square(0.0, 3.0, false, "{ type = 'diffuse', reflectance = 0 }");
+    for (index, value) in [("phase", 1.51680), ("group", 1.54136)] {
+        let settings = format!("integrator=photon-map photons=100000 direct=photons spectral=false time.index={index}");
+        let lit = lit(&text, &settings);
+        let map = lit.map(0);
+        let first = map.photons().iter().map(|photon| f64::from(photon.optical_length)).fold(f64::INFINITY, f64::min);
+        let expected = 1.5 + 0.5 * (value - 1.0);
+        // Less what rays begin off a surface.
+        assert!((-3e-5..1e-3).contains(&(first - expected)), "{index}: {first} is not {expected}");
     }
 }
 
@@ -523,6 +573,68 @@ fn light_in_fog_arrives_as_the_closed_form_says() {
                 bias * expected,
                 if bias > 0.0 { 2.0 } else { 0.5 },
             );
+        }
+    }
+}
+
+/// Particles that hold light back, by 0.4 on average, bring it as the closed form convolved with the density of the delay.
+#[test]
+fn delayed_light_in_fog_arrives_as_the_convolution_says() {
+    const STEP: f64 = 1e-4;
+    let (delay, bins_of, start, width) = (0.4, 8, 1.0, 0.25);
+    let kept_by = |time: f64| if time > 0.0 { 1.0 - (-time / delay).exp() } else { 0.0 };
+    let mut expected = vec![0.0; bins_of];
+    // What is scattered at t comes by a way of t + d, in fog without an end.
+    for t in (0..250_000).map(|step| STEP * (f64::from(step) + 0.5)) {
+        let distance = 0.5_f64.hypot(t - 1.0);
+        let light = 0.8 / (4.0 * std::f64::consts::PI).powi(2) * (-t - distance).exp() / distance.powi(2) * STEP;
+        for (bin, sum) in expected.iter_mut().enumerate() {
+            let [from, to] = [bin, bin + 1].map(|edge| kept_by(start + width * edge as f64 - t - distance));
+            *sum += light * (to - from);
+        }
+    }
+    for (way, bias) in IN_FOG {
+        let text = FOG.replace("albedo = 0.8", "albedo = 0.8, delay = 0.4");
+        let seen = |text: &str| {
+            let range = bins(bins_of as u32, start, width);
+            lit(text, &format!("integrator={way} max-bounces=1{range}"))
+        };
+        let found = slots(&seen(&text), 40);
+        assert!(found[0].iter().all(|&light| light == 0.0), "{way}");
+        for (bin, &expected) in expected.iter().enumerate() {
+            let power = if bias > 0.0 { 2.0 } else { 0.5 };
+            assert_mean(&format!("{way}, bin {bin}"), &found[bin + 1], expected, bias * expected, power);
+        }
+        assert!(seen(&text).image(2) == seen(FOG).image(2), "{way}: the picture is the same");
+    }
+}
+
+/// In fog that scatters often; odds of a false alarm as everywhere, over all bins together.
+#[test]
+fn all_ways_agree_on_delays() {
+    let text = "
+        camera = { origin = [0, 0.3, -3], target = [0, 0, 0], fov = 40 }
+        film = { size = [8, 8] }
+        lights = [{ type = 'point', position = [0.4, 1.5, 0.2], power = 10 }]
+        medium = 'fog'
+        media = { fog = { type = 'homogeneous', sigma-t = 0.5, albedo = 0.9, delay-seconds = 4e-9 } }
+        [[shapes]]
+        type = 'plane'
+        normal = [0, 1, 0]
+        distance = 0
+        material = { type = 'diffuse', reflectance = 0.5 }";
+    let (range, passes) = (bins(8, 3.0, 1.0) + " max-bounces=6", 40);
+    let reference = slots(&lit(text, &format!("integrator=path samples=128{range}")), passes);
+    assert!(reference[1..].iter().all(|values| Sample::of(values).mean > 0.0), "every bin has light");
+    for (way, bias) in [
+        ("light photons=40000", 0.0),
+        ("photon-map photons=20000 bandwidth=fixed radius=0.05 samples=4 volume=beams volume-radius=0.05", 0.02),
+        ("photon-map photons=20000 bandwidth=fixed radius=0.05 samples=4 volume=points volume-radius=0.1", 0.03),
+        ("auto photons=16384 samples=4", 0.03),
+    ] {
+        let found = slots(&lit(text, &format!("integrator={way}{range} seed=1")), passes);
+        for (slot, (a, b)) in reference.iter().zip(&found).enumerate() {
+            assert_same_mean(&format!("{way}, slot {slot}"), a, b, 4 * reference.len(), bias);
         }
     }
 }

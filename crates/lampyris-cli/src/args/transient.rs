@@ -27,6 +27,10 @@ pub struct TransientArguments {
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "bin_width")]
     pub start: Option<Length>,
 
+    /// A part of the light that was kept with bins of its own, such as caustic or bounces-2
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
+
     /// Add up N bins to one
     #[arg(long, value_name = "N", value_parser = positive_count)]
     pub rebin: Option<NonZeroU32>,

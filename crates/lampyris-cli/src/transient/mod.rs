@@ -136,7 +136,7 @@ fn read(arguments: &TransientArguments) -> Result<Transient> {
                 .with_hint("leave --bin-width out, or change the file"));
         }
     }
-    let transient = read_transient(&arguments.input, otherwise)?;
+    let transient = read_transient(&arguments.input, arguments.layer.as_deref(), otherwise)?;
     match arguments.rebin {
         Some(count) => transient.rebinned(count.get() as usize),
         None => Ok(transient),

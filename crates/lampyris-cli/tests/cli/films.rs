@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::{Folder, SCENE, program};
 
 /// Every way of rendering, with whatever makes its films differ in kind.
-const WAYS: [&str; 8] = [
+const WAYS: [&str; 11] = [
     "--integrator auto --set photons=500",
     "--integrator path",
     "--integrator path --set samples=3 --set filter=tent --set filter.radius=1.3",
@@ -14,7 +14,10 @@ const WAYS: [&str; 8] = [
     "--integrator photon-map --set filter=tent --set bandwidth=nearest --set direct=photons",
     "--integrator photon-map --set bandwidth=fixed --set radius=0.3",
     "--integrator light --set photons=500 --set filter=tent",
-    "--integrator auto --set photons=500 --set time.bins=9 --set time.variance=true",
+    "--integrator photon-map --set time.bins=4 --set time.layers=direct,indirect",
+    "--integrator auto --set photons=500 --set time.bins=9 --set time.variance=true --set time.bounces=1",
+    "--integrator light --set photons=500 --set time.frequencies=0.5,1.25",
+    "--integrator path --set time.frequencies=0.5,1.25 --set time.layers=caustic",
 ];
 
 #[test]
@@ -37,6 +40,38 @@ fn films_of_parts_make_the_film_of_the_whole() {
             assert!(folder.read("b.film") == folder.read("whole.film"), "{way}, in the same file");
         }
     }
+}
+
+#[test]
+fn layers_in_time_are_written_beside_all_light_and_read_by_their_names() {
+    let folder = Folder::with_scene(SCENE);
+    let time = "--integrator path --set time.bins=9 --set time.layers=direct,indirect --set time.bounces=1";
+    let (_, said) = folder.run(&format!("render scene.toml {time} -o a.npy -o a.npz --passes 2"));
+    assert!(said.contains("9 time bins of") && said.contains("for all light and 5 layers"), "{said}");
+    for layer in ["direct", "indirect", "bounces-1", "more-bounces"] {
+        for file in ["a.npy", "a.npz"] {
+            folder.run(&format!("transient {file} --layer {layer} -o b.npy -q"));
+            assert_eq!(folder.read("b.npy"), folder.read(&format!("a.{layer}.npy")), "{file}, {layer}");
+        }
+    }
+    let said = folder.refuse("transient a.npy --layer volume -o b.npy");
+    assert!(said.contains("no layer 'volume'") && said.contains("direct, indirect, bounces-0"), "{said}");
+}
+
+#[test]
+fn a_film_with_amplitudes_is_written_with_them() {
+    let folder = Folder::with_scene(SCENE);
+    let time = "--integrator path --set time.bins=100 --set time.bin-width=0.1 --set time.phasor={mean=2,sigma=5}";
+    let (_, said) = folder.run(&format!("render scene.toml {time} -o a.npy -o a.npz -o a.pfm --passes 2"));
+    // Mean 10 / 2 = 5, σ 10 / 30: from 4 to 6 tenths.
+    assert!(said.contains("frequencies from 0.4") && said.contains("to 0.6"), "{said}");
+    let header = String::from_utf8_lossy(&folder.read("a.npy")[..128]).to_string();
+    assert!(header.contains("(6, 8, 3, 2), }"), "{header}");
+    let facts: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).expect("JSON");
+    assert_eq!(facts["frequencies"], serde_json::json!([0.4, 0.5, 0.6]));
+    assert!(folder.path("a.npz").exists() && folder.path("a.pfm").exists());
+    let said = folder.refuse("render scene.toml -o a.npy --set time.phasor={mean=2,sigma=5}");
+    assert!(said.contains("width is not given"), "{said}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::image::Image;
+use crate::transient::Met;
 
 /// A pass: its picture, and the features of its pixels if layers were asked for and the pass has them.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ pub struct Exposure {
 pub struct Arrival {
     /// The number of the pixel, row by row.
     pub pixel: u32,
-    /// Its [slot](super::Clock::slot) in time.
+    /// Its [slot](super::Clock::note) in time.
     pub slot: u32,
     /// Linear radiance in RGB, as in [`Exposure::image`].
     pub light: [f32; 3],
@@ -42,15 +43,16 @@ impl From<Image> for Exposure {
 }
 
 impl Exposure {
-    /// Adds radiance in linear RGB to a pixel.
-    pub fn add(&mut self, pixel: usize, light: [f32; 3], kind: Kind) {
+    /// Adds radiance in linear RGB to a pixel, of light that has met this.
+    pub fn add(&mut self, pixel: usize, light: [f32; 3], met: Met) {
         let add = |sum: &mut [f32; 3]| *sum = [0, 1, 2].map(|channel| sum[channel] + light[channel]);
         add(&mut self.image.pixels_mut()[pixel]);
         let Some(features) = self.features.get_mut(pixel) else { return };
-        match kind {
-            Kind::Direct => add(&mut features.direct),
-            Kind::Caustic => add(&mut features.caustic),
-            Kind::Other => {}
+        if met.events == 1 {
+            add(&mut features.direct);
+        }
+        if met.is_caustic {
+            add(&mut features.caustic);
         }
     }
 
@@ -88,15 +90,4 @@ pub struct Features {
     pub depth: f32,
     /// Share of the samples that meet one.
     pub met: f32,
-}
-
-/// What light met on its way to the camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// One scattering event.
-    Direct,
-    /// Mirrors and glass, and then one smooth surface.
-    Caustic,
-    /// Anything else.
-    Other,
 }

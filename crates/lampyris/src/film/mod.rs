@@ -14,7 +14,7 @@ mod timed;
 
 pub use bias::Bias;
 pub use clock::Clock;
-pub use exposure::{Arrival, Exposure, Features, Kind};
+pub use exposure::{Arrival, Exposure, Features};
 pub use layers::{Layer, Layers};
 pub use passes::PassSet;
 pub use sinks::{Layered, Plain, Sink};
@@ -33,13 +33,13 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
-use crate::transient::{Timing, Transient};
+use crate::transient::{Phasors, TimeLayer, Timing, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
 ///
 /// It takes 68 bytes a pixel, 5 more where bias is told, 51 more with a filter that spreads samples, up to 340 more with
-/// all layers, and 51 more for each time bin, or 68 with its variance.
+/// all layers, and 51 more for each time bin, or 68 with its variance, once more for each layer in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -214,7 +214,7 @@ impl Film {
             has_bias: self.bias.is_some(),
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
-            time: self.clock().copied(),
+            time: self.clock().cloned(),
         }
     }
 
@@ -246,8 +246,8 @@ impl Film {
             false => None,
         };
         let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, &mut read)?;
-        let bins = match shape.time {
-            Some(clock) => Some(BinSums::read(clock, pixels, &mut read)?),
+        let bins = match &shape.time {
+            Some(clock) => Some(BinSums::read(clock.clone(), pixels, &mut read)?),
             None => None,
         };
         let FilmShape { passes, samples, .. } = *shape;
@@ -272,29 +272,62 @@ impl Film {
     /// The mean over the passes of what arrived at a pixel, counted row by row, within each time bin: linear radiance, of
     /// which the picture is the sum over all time. Empty without time.
     pub fn bins(&self, pixel: usize) -> Vec<[f32; 3]> {
-        let Some(bins) = &self.bins else { return Vec::new() };
-        let weight = self.weight(pixel);
-        (1..=bins.clock().bins()).map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+        self.bins_from(pixel, 0)
     }
 
-    /// [`Film::bins`] of all pixels.
+    fn bins_from(&self, pixel: usize, first: usize) -> Vec<[f32; 3]> {
+        let Some(bins) = &self.bins else { return Vec::new() };
+        let (weight, slots) = (self.weight(pixel), first + 1..=first + bins.clock().bins());
+        slots.map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
+    }
+
+    /// [`Film::bins`] of all pixels; of a layer, or of all light if none is named.
     ///
     /// # Errors
-    /// A film without time, or bins that are too many.
-    pub fn transient(&self) -> Result<Transient> {
-        let clock = self.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
-        let timing = Timing { unwarp: clock.unwarp(), ..Timing::new(clock.start(), clock.bin_width()) };
+    /// A film without time or without this layer in time, or bins that are too many.
+    pub fn transient(&self, layer: Option<TimeLayer>) -> Result<Transient> {
+        let clock = self.clock().filter(|clock| !clock.is_dense());
+        let clock = clock.ok_or_else(|| Error::new("the film has no time bins"))?;
+        let first = first_slot(clock, layer)?;
+        let timing =
+            Timing { unwarp: clock.unwarp(), index: clock.index(), ..Timing::new(clock.start(), clock.bin_width()) };
         let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
         for (pixel, profile) in transient.profiles_mut().enumerate() {
-            profile.copy_from_slice(&self.bins(pixel));
+            profile.copy_from_slice(&self.bins_from(pixel, first));
         }
         Ok(transient)
+    }
+
+    /// The mean over the passes of the complex amplitudes of a pixel, real and imaginary part of each frequency: linear
+    /// radiance times exp(-2πi f (s - start)). Of a layer, or of all light if none is named.
+    ///
+    /// # Errors
+    /// A film without amplitudes or without this layer in time.
+    pub fn amplitudes(&self, pixel: usize, layer: Option<TimeLayer>) -> Result<Vec<[[f32; 3]; 2]>> {
+        let none = || Error::new("the film has no amplitudes");
+        let bins = self.bins.as_ref().filter(|bins| bins.clock().is_dense()).ok_or_else(none)?;
+        let (first, weight) = (first_slot(bins.clock(), layer)?, self.weight(pixel));
+        let part = |slot: usize| bins.sum(pixel, first + slot).map(|sum| (sum / weight) as f32);
+        Ok((0..bins.clock().frequencies().len()).map(|place| [part(2 * place), part(2 * place + 1)]).collect())
+    }
+
+    /// The luminance of [`Film::amplitudes`] of all pixels.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn phasors(&self, layer: Option<TimeLayer>) -> Result<Phasors> {
+        let mut values = Vec::new();
+        for pixel in 0..self.width * self.height {
+            values.extend(self.amplitudes(pixel, layer)?.into_iter().flatten().map(luminance));
+        }
+        let (frequencies, start) = self.clock().map(|clock| (clock.frequencies(), clock.start())).unwrap_or_default();
+        Ok(Phasors { width: self.width, height: self.height, frequencies, start, values })
     }
 
     /// The mean over the passes of what arrived at a pixel before the first time bin, and after the last. None without
     /// time.
     pub fn outside_bins(&self, pixel: usize) -> Option<[[f32; 3]; 2]> {
-        let (bins, weight) = (self.bins.as_ref()?, self.weight(pixel));
+        let (bins, weight) = (self.bins.as_ref().filter(|bins| !bins.clock().is_dense())?, self.weight(pixel));
         Some([0, bins.clock().bins() + 1].map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)))
     }
 
@@ -419,6 +452,13 @@ impl Film {
     }
 }
 
+fn first_slot(clock: &Clock, layer: Option<TimeLayer>) -> Result<usize> {
+    clock.first_slot(layer).ok_or_else(|| {
+        let layer = layer.map(|layer| layer.to_string()).unwrap_or_default();
+        Error::new(format!("the film has no layer '{layer}' in time"))
+    })
+}
+
 /// Pixels of which sums are taken together, so that their order does not depend on the threads.
 const CHUNK: usize = 1 << 12;
 
@@ -435,7 +475,8 @@ impl FilmShape {
 
     /// Bytes that the sums take in a file; none of a film that could not be.
     pub(crate) fn bytes(&self) -> Option<usize> {
-        let pixels = self.size[0].checked_mul(self.size[1])?;
+        // Without pixels, no sum would bear witness to how many layers there are.
+        let pixels = self.size[0].checked_mul(self.size[1]).filter(|&pixels| pixels > 0)?;
         let each = 4 + if self.has_weights { 3 } else { 0 } + LayerSums::channels(self.layers()?);
         let of_pixels = pixels.checked_mul(each * ExactSums::BYTES)?;
         // There are fewer blocks than pixels.

@@ -7,6 +7,7 @@ use super::Features;
 use crate::material::Lobes;
 use crate::scene::SurfacePoint;
 use crate::spectrum::{Basis, Spectrum};
+use crate::transient::Met;
 use crate::transport::PathState;
 
 /// Where the samples of a pixel leave the light that they find. Whatever else it notes, the radiance is the same to the
@@ -28,26 +29,26 @@ pub trait Sink: Clone + Send + Sync {
     /// optical length. Only for those that are [`Sink::TIMED`].
     fn particle(&mut self, _optical_length: f64) {}
 
-    /// Adds radiance of light that has been scattered so many times, or more often where that is not known to be less
-    /// than two, on a path of this optical length, in scene units.
-    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64);
+    /// Adds radiance of light that has met this on a path of this optical length, in scene units.
+    fn add(&mut self, light: Spectrum, met: Met, optical_length: f64);
 
-    /// Notes light, in a unit of its own, on a path of this optical length, for [`Sink::add_noted`]. Only for those that are
-    /// [`Sink::TIMED`].
-    fn note(&mut self, _light: Spectrum, _optical_length: f64) {}
+    /// Notes light, in a unit of its own, that has met this on a path of this optical length, for [`Sink::add_noted`]. Only
+    /// for those that are [`Sink::TIMED`].
+    fn note(&mut self, _light: Spectrum, _met: Met, _optical_length: f64) {}
 
-    /// [`Sink::add`] of all light that was noted, which is this in sum; `unit` is that in which it was noted.
+    /// [`Sink::add`] of all light that was noted, which is this in sum, of at least so many events; `unit` is that in which
+    /// it was noted.
     fn add_noted(&mut self, light: Spectrum, events: u32, _unit: Spectrum) {
-        self.add(light, events, 0.0);
+        self.add(light, Met::surfaces(events), 0.0);
     }
 
-    /// Of what was added as light of two events or more, this part had only one.
+    /// Of what was noted as light of two events or more, this part had only one.
     fn was_direct(&mut self, _light: Spectrum) {}
 
-    /// Of what was added, this part is [caustic](super::Layer::Caustic).
+    /// Of what was noted, this part is [caustic](super::Layer::Caustic).
     fn was_caustic(&mut self, _light: Spectrum) {}
 
-    /// Takes this share of all that was left at another one.
+    /// Takes this share of all that was left at another one, which has [settled](Sink::settle).
     fn take(&mut self, other: &Self, share: f32);
 
     /// The sum of what was added, in the lanes of the pass.
@@ -58,7 +59,7 @@ pub trait Sink: Clone + Send + Sync {
         None
     }
 
-    /// When what was added arrived: the [slots](super::Clock::slot) that have light, in their order, in the lanes of the
+    /// When what was added arrived: the [slots](super::Clock::note) that have light, in their order, in the lanes of the
     /// pass.
     fn settle(&mut self) -> &[(u32, Spectrum)] {
         &[]
@@ -78,7 +79,7 @@ impl Sink for Plain {
     }
 
     #[inline]
-    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
+    fn add(&mut self, light: Spectrum, _: Met, _: f64) {
         self.0 += light;
     }
 
@@ -139,12 +140,15 @@ impl Sink for Layered {
         self.met += 1.0;
     }
 
-    fn add(&mut self, light: Spectrum, events: u32, _: f64) {
+    fn add(&mut self, light: Spectrum, met: Met, _: f64) {
         self.radiance += light;
-        match events {
+        match met.events {
             0 => self.emission += light,
             1 => self.direct += light,
             _ => {}
+        }
+        if met.is_caustic {
+            self.caustic += light;
         }
     }
 

@@ -47,6 +47,13 @@ impl<S: Sink> Band<S> {
         }
     }
 
+    /// Brings all that it was given into the form in which [`Sums::add`] takes it.
+    pub(crate) fn settle(&mut self) {
+        self.pixels.iter_mut().for_each(|(sum, _)| {
+            sum.settle();
+        });
+    }
+
     /// The row itself, for those who cannot wait for its neighbours.
     pub(crate) fn middle_row(&self, basis: &Basis) -> Vec<[f32; 3]> {
         let middle = &self.pixels[self.reach * self.width..][..self.width];

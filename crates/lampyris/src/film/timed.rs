@@ -3,27 +3,27 @@
 use super::{Clock, Features, Layered, Sink};
 use crate::scene::SurfacePoint;
 use crate::spectrum::{Basis, Spectrum};
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::PathState;
 
 /// All that [`Layered`] has, and the light once more by the time at which it arrived.
 #[derive(Clone, Debug)]
-pub struct Timed {
+pub struct Timed<'c> {
     layered: Layered,
     /// Whether it has features to tell.
     has_features: bool,
-    clock: Clock,
+    clock: &'c Clock,
     way: Way,
     /// By slots: the first so many in their order, each once, and then some more.
     arrivals: Vec<(u32, Spectrum)>,
     settled: usize,
-    /// Noted, but not yet added, by optical length.
-    noted: Vec<(f64, Spectrum)>,
+    /// Noted, but not yet added, with what it met, by optical length.
+    noted: Vec<(f64, Met, Spectrum)>,
 }
 
-impl Timed {
+impl Timed<'_> {
     /// Without light; with features if layers are asked for.
-    pub fn new(clock: Clock, has_features: bool) -> Timed {
+    pub fn new(clock: &Clock, has_features: bool) -> Timed<'_> {
         Timed {
             layered: Layered::default(),
             has_features,
@@ -35,14 +35,25 @@ impl Timed {
         }
     }
 
-    fn arrive(&mut self, light: Spectrum, optical_length: f64) {
+    fn arrive(&mut self, light: Spectrum, met: Met, optical_length: f64) {
         if light.is_zero() {
             return;
         }
-        self.push(self.clock.slot(self.way.counted(optical_length, self.clock.unwarp())), light);
+        let clock = self.clock;
+        let counted = self.way.counted(optical_length, clock.unwarp());
+        clock.note(counted, met, |slot, share| self.push(slot, light * share));
     }
 
     fn push(&mut self, slot: u32, light: Spectrum) {
+        if self.clock.is_dense() {
+            if self.arrivals.is_empty() {
+                let slots = 0..self.clock.slots().unwrap_or(0) as u32;
+                self.arrivals.extend(slots.map(|slot| (slot, Spectrum::ZERO)));
+                self.settled = self.arrivals.len();
+            }
+            self.arrivals[slot as usize].1 += light;
+            return;
+        }
         self.arrivals.push((slot, light));
         // As seldom as makes no more of them than twice what is needed.
         if self.arrivals.len() > 2 * self.settled + LEAST {
@@ -101,7 +112,7 @@ impl Way {
 /// Arrivals that are not worth the while.
 const LEAST: usize = 64;
 
-impl Sink for Timed {
+impl Sink for Timed<'_> {
     const LAYERED: bool = true;
     const TIMED: bool = true;
 
@@ -122,19 +133,19 @@ impl Sink for Timed {
         self.way.particle(optical_length);
     }
 
-    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64) {
-        self.layered.add(light, events, optical_length);
-        self.arrive(light, optical_length);
+    fn add(&mut self, light: Spectrum, met: Met, optical_length: f64) {
+        self.layered.add(light, met, optical_length);
+        self.arrive(light, met, optical_length);
     }
 
-    fn note(&mut self, light: Spectrum, optical_length: f64) {
-        self.noted.push((optical_length, light));
+    fn note(&mut self, light: Spectrum, met: Met, optical_length: f64) {
+        self.noted.push((optical_length, met, light));
     }
 
     fn add_noted(&mut self, light: Spectrum, events: u32, unit: Spectrum) {
-        self.layered.add(light, events, 0.0);
+        self.layered.add_noted(light, events, unit);
         let mut noted = std::mem::take(&mut self.noted);
-        noted.drain(..).for_each(|(optical_length, light)| self.arrive(light * unit, optical_length));
+        noted.drain(..).for_each(|(optical_length, met, light)| self.arrive(light * unit, met, optical_length));
         self.noted = noted;
     }
 
@@ -146,7 +157,7 @@ impl Sink for Timed {
         self.layered.was_caustic(light);
     }
 
-    fn take(&mut self, other: &Timed, share: f32) {
+    fn take(&mut self, other: &Self, share: f32) {
         self.layered.take(&other.layered, share);
         other.arrivals.iter().for_each(|&(slot, light)| self.push(slot, light * share));
     }

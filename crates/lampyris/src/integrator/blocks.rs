@@ -43,7 +43,8 @@ pub(super) fn camera_pass(
     eye: &impl Eye,
 ) -> Exposure {
     let rows = Rows { scene, film, pass, samples, observer };
-    match (Clock::of(film), layers.is_empty()) {
+    let clock = Clock::of(film);
+    match (&clock, layers.is_empty()) {
         (None, true) => rows.expose(&Plain::default(), eye),
         (None, false) => rows.expose(&Layered::default(), eye),
         (Some(clock), none) => rows.expose(&Timed::new(clock, !none), eye),
@@ -96,9 +97,11 @@ impl Rows<'_> {
                 let path = PathState::from_camera(scene, pixel, &mut sampler);
                 sink.clear();
                 rays += u64::from(eye.look(scene, path, &mut sampler, &mut working, &mut sink));
+                sink.settle();
                 band.add(x, place, &film.filter, &sink);
             }
         }
+        band.settle();
         if let Some(y) = y.checked_sub(reach).filter(|&y| y < height) {
             observer.row(y, &band.middle_row(scene.basis()));
         }

@@ -9,14 +9,14 @@ use super::blocks::{Eye, camera_pass, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
-use crate::film::{Arrival, Clock, Exposure, Kind, Layers, Sink};
+use crate::film::{Arrival, Clock, Exposure, Layers, Sink};
 use crate::light::Illumination;
 use crate::material::Lobes;
 use crate::sampler::Sampler;
 use crate::scene::description::{FilmDescription, LightSettings, TimeDescription};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::{Crossing, Limits, MediumPoint, Origin, PathState, Visitor, walk};
 
 /// See the module.
@@ -47,12 +47,16 @@ impl Integrator for LightTracing {
         let clock = Clock::of(film);
         let scale = 1.0 / paths as f32;
         let mut arrivals = Vec::new();
-        for Splatted { at, light, kind, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
+        for Splatted { at, light, met, optical_length } in blocks.into_iter().flat_map(|block| block.splats) {
             for (pixel, share) in film.pixels_at(at) {
                 let light = scene.basis().to_rgb(light * (scale * share));
-                exposure.add(pixel as usize, light, kind);
+                exposure.add(pixel as usize, light, met);
                 if let Some(clock) = &clock {
-                    arrivals.push(Arrival { pixel, slot: clock.slot(optical_length), light });
+                    let arrival = |slot, share| Arrival { pixel, slot, light: light.map(|channel| channel * share) };
+                    clock.note(optical_length, met, |slot, share| arrivals.push(arrival(slot, share)));
+                    if arrivals.len() > AT_ONCE {
+                        exposure.add_arrivals(arrivals.drain(..));
+                    }
                 }
             }
         }
@@ -64,6 +68,9 @@ impl Integrator for LightTracing {
         "light"
     }
 }
+
+/// Arrivals that are kept until they are added up.
+const AT_ONCE: usize = 1 << 22;
 
 /// Sees lamps and the background in plain sight.
 struct PlainSight {
@@ -93,14 +100,15 @@ impl<S: Sink> Visitor for InSight<'_, S> {
     const CROSSING: Crossing = Crossing::Fade;
 
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
-        self.sink.add(path.throughput * self.scene.emitted(point), 0, path.optical_length);
+        self.sink.add(path.throughput * self.scene.emitted(point), Met::surfaces(0), path.optical_length);
         point.bsdf.lobes().and(Lobes::HOLES)
     }
 
     fn escaped(&mut self, path: &PathState) {
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
         let optical_length = path.optical_length + f64::from(distance);
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction), 0, optical_length);
+        let background = self.scene.background(path.ray.direction);
+        self.sink.add(path.throughput * background, Met::surfaces(0), optical_length);
     }
 }
 
@@ -132,7 +140,7 @@ pub(super) struct Splatted {
     /// Radiance as if the path were the only one.
     pub light: Spectrum,
     /// What it met on its way.
-    kind: Kind,
+    met: Met,
     /// Optical length of its way, in scene units, as far as it counts.
     pub optical_length: f64,
 }
@@ -187,8 +195,8 @@ impl<'a> Splat<'a> {
             }
             false => path.throughput * value * self.scene.visibility(&point.surface, &way),
         };
-        let ior = || path.ior * point.ior_toward(seen.lens - at);
-        self.splatted(&seen, light, path, at, ior)
+        let slowness = || path.slowness * point.slowness_toward(seen.lens - at);
+        self.splatted(&seen, light, path, (at, false), slowness)
     }
 
     fn connect_particle(&self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> Option<Splatted> {
@@ -196,32 +204,30 @@ impl<'a> Splat<'a> {
         let way = Illumination::way(point.position, seen.lens);
         let passage = self.scene.passage(point.position, path.inside, &way, sampler);
         let value = point.albedo * (point.value(to_camera) * seen.importance);
-        self.splatted(&seen, path.throughput * value * passage, path, point.position, || path.ior)
+        self.splatted(&seen, path.throughput * value * passage, path, (point.position, true), || path.slowness)
     }
 
-    /// Light that a path brings to the camera from a point where it goes off with this index of refraction, unless there is
-    /// none.
+    /// Light that a path brings to the camera from a point, which may be a particle of a medium, where light is so
+    /// slow to go on; unless there is none.
     fn splatted(
         &self,
         seen: &Seen,
         light: Spectrum,
         path: &PathState,
-        at: Vec3,
-        ior: impl FnOnce() -> f32,
+        (at, particle): (Vec3, bool),
+        slowness: impl FnOnce() -> f32,
     ) -> Option<Splatted> {
-        let kind = match path.bounce {
-            0 => Kind::Direct,
-            _ if PathState::is_caustic_history(path.history) => Kind::Caustic,
-            _ => Kind::Other,
-        };
+        let read = path.met(1);
+        let is_caustic = PathState::is_caustic_history(path.history);
+        let met = Met { is_caustic, particles: read.particles || particle, ..read };
         (!light.is_zero()).then(|| {
             // In scene units where the camera is, without what does not count.
             let last = match &self.film.time {
                 Some(TimeDescription { unwarp: Unwarp::FirstSurface | Unwarp::LastSegment, .. }) => 0.0,
                 _ => f64::from(seen.lens.distance(at)),
             };
-            let optical_length = path.optical_length / f64::from(ior()) + last;
-            Splatted { at: seen.pixel, light, kind, optical_length }
+            let optical_length = path.optical_length / f64::from(slowness()) + last;
+            Splatted { at: seen.pixel, light, met, optical_length }
         })
     }
 }

@@ -8,11 +8,12 @@ use super::sharing::Sharing;
 use super::volume::gather;
 use crate::film::Sink;
 use crate::light::{Illumination, LightId};
-use crate::material::{Lobes, Scattered};
+use crate::material::{Event, Lobes, Scattered};
 use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{
     Crossing, MediumPoint, PathState, Rivals, Segment, Visitor, direct_light, direct_light_in_medium, mis_weight, norm,
     squared,
@@ -181,8 +182,14 @@ impl<'a> Merge<'a> {
 #[inline]
 pub(super) fn note<S: Sink>(sink: &mut S, photon: &Photon, light: Spectrum, point: &SurfacePoint, path: &PathState) {
     if S::TIMED {
-        let ior = path.ior * point.ior_toward(-photon.direction);
-        sink.note(light, path.optical_length + photon.optical_length_at(point.surface.position, ior));
+        let slowness = path.slowness * point.slowness_toward(-photon.direction);
+        let read = path.met(1 + u32::from(photon.bounce));
+        let met = Met {
+            is_caustic: photon.is_caustic() && !path.history.meets(Lobes::SMOOTH),
+            particles: read.particles || photon.history.contains(Event::Scatter),
+            ..read
+        };
+        sink.note(light, met, path.optical_length + photon.optical_length_at(point.surface.position, slowness));
     }
 }
 
@@ -228,12 +235,10 @@ impl<S, const MERGES: bool> Look<'_, S, MERGES> {
 
 impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
     /// Adds light of a lamp that the path has reached.
-    fn add(&mut self, light: Spectrum, events: u32, optical_length: f64) {
-        self.sink.add(light, events, optical_length);
+    fn add(&mut self, light: Spectrum, path: &PathState, optical_length: f64) {
         // From the lamp, mirrors and glass came first, and then one smooth surface.
-        if S::LAYERED && self.last.is_none() && self.smooth_events == 1 {
-            self.sink.was_caustic(light);
-        }
+        let is_caustic = self.last.is_none() && self.smooth_events == 1;
+        self.sink.add(light, Met { is_caustic, ..path.met(0) }, optical_length);
     }
 }
 
@@ -262,7 +267,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
             let weight = self.met(|from| self.scene.emitted_pdf(from, point), || self.scene.emission_density(point));
-            self.add(path.throughput * emitted * weight, path.bounce, path.optical_length);
+            self.add(path.throughput * emitted * weight, path, path.optical_length);
         }
         if path.bounce < self.max_bounces {
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
@@ -286,8 +291,8 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
                 }
             };
             let (light, distance) = direct_light(self.scene, point, path, sampler, weight);
-            let optical_length = path.optical_length + f64::from(path.ior * distance);
-            self.sink.add(path.throughput * light, path.bounce + 1, optical_length);
+            let optical_length = path.optical_length + f64::from(path.slowness * distance);
+            self.sink.add(path.throughput * light, path.met(1), optical_length);
             if let Some(merge) = &mut self.merge
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
             {
@@ -308,15 +313,15 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
 
     fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, sampler: &mut Sampler) -> bool {
         if S::TIMED && path.bounce == 0 {
-            self.sink.particle(path.optical_length);
+            self.sink.particle(path.optical_length - point.delay);
         }
         if path.bounce < self.max_bounces {
             let weight = |illumination: &Illumination| {
                 illumination.pdf.map_or(1.0, |pdf| mis_weight(pdf, point.value(illumination.to_light)))
             };
             let (light, distance) = direct_light_in_medium(self.scene, point, path, sampler, weight);
-            let optical_length = path.optical_length + f64::from(path.ior * distance);
-            self.sink.add(path.throughput * light, path.bounce + 1, optical_length);
+            let optical_length = path.optical_length + f64::from(path.slowness * distance);
+            self.sink.add(path.throughput * light, Met { particles: true, ..path.met(1) }, optical_length);
         }
         true
     }
@@ -341,7 +346,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
-        self.add(path.throughput * radiance, path.bounce, path.optical_length + f64::from(path.ior * distance));
+        self.add(path.throughput * radiance, path, path.optical_length + f64::from(path.slowness * distance));
     }
 
     fn worth(&self) -> f32 {

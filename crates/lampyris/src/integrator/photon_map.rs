@@ -200,12 +200,12 @@ impl<S: Sink> Visitor for Gather<'_, S> {
 
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, sampler: &mut Sampler) -> Lobes {
         self.sink.surface(point, path);
-        self.sink.add(path.throughput * self.scene.emitted(point), path.bounce, path.optical_length);
+        self.sink.add(path.throughput * self.scene.emitted(point), path.met(0), path.optical_length);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
                 let (light, distance) = direct_light(self.scene, point, path, sampler, |_, _| 1.0);
-                let optical_length = path.optical_length + f64::from(path.ior * distance);
-                self.sink.add(path.throughput * light, path.bounce + 1, optical_length);
+                let optical_length = path.optical_length + f64::from(path.slowness * distance);
+                self.sink.add(path.throughput * light, path.met(1), optical_length);
             }
             // The event in which the photons are read is one of the path's, too.
             let most = self.max_bounces - path.bounce - 1;
@@ -224,7 +224,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
                 self.sink.was_caustic(path.throughput * caustic);
             } else {
                 let light = self.estimate.radiance(point, most, self.found);
-                self.sink.add(path.throughput * light, path.bounce + 2, path.optical_length);
+                self.sink.add(path.throughput * light, path.met(2), path.optical_length);
             }
         }
         Lobes::DELTA
@@ -232,7 +232,7 @@ impl<S: Sink> Visitor for Gather<'_, S> {
 
     fn escaped(&mut self, path: &PathState) {
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
-        let optical_length = path.optical_length + f64::from(path.ior * distance);
-        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.bounce, optical_length);
+        let optical_length = path.optical_length + f64::from(path.slowness * distance);
+        self.sink.add(path.throughput * self.scene.background(path.ray.direction), path.met(0), optical_length);
     }
 }

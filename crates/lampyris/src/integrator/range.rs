@@ -11,13 +11,13 @@ use super::light::Splat;
 use super::look::Look;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Observer, Pass, Phase, Silent, pilot};
-use crate::film::{Sink, Way};
+use crate::film::{Clock, Sink, Way};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::SurfacePoint;
 use crate::scene::description::{FilmDescription, IntegratorDescription};
 use crate::spectrum::Spectrum;
-use crate::transient::Unwarp;
+use crate::transient::{Met, Unwarp};
 use crate::transport::{Limits, Origin, PathState, walk};
 
 /// Paths from the camera, and from the lamps.
@@ -39,7 +39,8 @@ pub fn timed(
     observer: &dyn Observer,
 ) -> FilmDescription {
     let Some(time) = &film.time else { return film };
-    if let (Some(_), Some(_)) = (time.start(), time.bin_width()) {
+    // Amplitudes need no range.
+    if Clock::of(&film).is_some() || time.keeps_amplitudes() {
         return film;
     }
     observer.phase(Phase::Pilot);
@@ -128,7 +129,7 @@ impl Sink for Heard {
         self.way.particle(optical_length);
     }
 
-    fn add(&mut self, light: Spectrum, _: u32, optical_length: f64) {
+    fn add(&mut self, light: Spectrum, _: Met, optical_length: f64) {
         self.arrivals.push((self.way.counted(optical_length, self.unwarp), f64::from(light.mean())));
     }
 

@@ -13,6 +13,7 @@ use crate::sampler::Sampler;
 use crate::scene::description::{AutoSettings, FilmDescription};
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{Airlight, Crossing, PathState, Segment, Visitor, airlight};
 
 /// What part of such light photons bring: multiple importance sampling with weights by the variance of each technique
@@ -62,13 +63,17 @@ impl Sharing {
         sampler: &mut Sampler,
         sink: &mut S,
     ) {
+        let aside = sampler.aside();
         let Some(Airlight { light, way: [leg, further] }) = airlight(scene, segment, path, sampler) else { return };
-        let at = |distance: f32| path.optical_length + f64::from(path.ior * distance);
+        let at = |distance: f32| path.optical_length + f64::from(path.slowness * distance);
         if S::TIMED && path.bounce == 0 {
             sink.particle(at(leg));
         }
         let share = 1.0 - self.of_photons(further);
-        sink.add(path.throughput * light * share, path.bounce + 1, at(leg + further));
+        // Photons have numbers of paths in the place of the first of these.
+        let delay = if S::TIMED { segment.matter.delay(|| aside.uniform([u32::MAX, path.bounce])) } else { 0.0 };
+        let met = Met { particles: true, ..path.met(1) };
+        sink.add(path.throughput * light * share, met, at(leg + further) + delay);
     }
 
     /// The part of photons far from lamps: by the variances that they have, and that shadow rays have, along rays from the
@@ -129,7 +134,7 @@ impl Visitor for Both<'_> {
     fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
         // Where photons are blurred is no matter of noise.
         for (sum, map) in self.of_photons.iter_mut().zip(self.maps) {
-            map.gather(segment, path.ior, sampler, |beam: &Beam, light: Spectrum, way| {
+            map.gather(segment, path.slowness, sampler, |beam: &Beam, light: Spectrum, way| {
                 if beam.is_rivalled() {
                     let share = self.sharing.of_photons(from_lamp(way, path));
                     *sum += f64::from((path.throughput * light * share).mean());
@@ -153,5 +158,5 @@ impl Visitor for Both<'_> {
 /// The distance of its lamp from where a photon that came straight from there is seen, in scene units, by the optical lengths
 /// of the way to where it is seen and of the whole way.
 pub(super) fn from_lamp([leg, way]: [f64; 2], path: &PathState) -> f32 {
-    ((way - leg) / f64::from(path.ior)) as f32
+    ((way - leg) / f64::from(path.slowness)) as f32
 }

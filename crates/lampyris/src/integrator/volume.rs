@@ -15,6 +15,7 @@ use crate::sampler::Sampler;
 use crate::scene::description::FilmDescription;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{Crossing, PathState, Segment, Visitor};
 
 /// What is estimated how.
@@ -222,7 +223,8 @@ pub(super) fn gather<S: Sink>(
 ) {
     // The event in which the photons are read is one of the path's, too.
     let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
-    map.gather(segment, path.ior, sampler, |beam, light, [leg, way]| {
+    let aside = sampler.aside();
+    map.gather(segment, path.slowness, sampler, |beam, light, [leg, way]| {
         if u32::from(beam.bounce) > most {
             return;
         }
@@ -232,9 +234,10 @@ pub(super) fn gather<S: Sink>(
         if S::TIMED && path.bounce == 0 {
             sink.particle(path.optical_length + leg);
         }
-        sink.add(light, path.bounce + 1 + u32::from(beam.bounce), path.optical_length + way);
-        if S::LAYERED && path.bounce == 0 && beam.is_caustic() {
-            sink.was_caustic(light);
-        }
+        let events = path.bounce + 1 + u32::from(beam.bounce);
+        let met = Met { events, is_caustic: path.bounce == 0 && beam.is_caustic(), particles: true };
+        let key = [beam.path, u32::from(beam.bounce) << 16 | path.bounce & 0xffff];
+        let delay = if S::TIMED { segment.matter.delay(|| aside.uniform(key)) } else { 0.0 };
+        sink.add(light, met, path.optical_length + way + delay);
     });
 }

@@ -129,11 +129,11 @@ impl Model<'_> {
         }
     }
 
-    /// Index of refraction on the other side of the boundary that smooth lobes lead through, over that on the side of
+    /// How much slower light is on the other side of the boundary that smooth lobes lead through, than on the side of
     /// `to_previous`.
-    fn ior_ratio(&self, to_previous: Vec3) -> f32 {
+    fn slowness(&self, to_previous: Vec3) -> f32 {
         let ior = match self {
-            Model::RoughGlass(model) => model.ior,
+            Model::RoughGlass(model) => model.slowness,
             Model::Principled(model) if model.transmits => model.eta,
             _ => 1.0,
         };
@@ -189,6 +189,8 @@ pub struct Scattered {
     pub event: Event,
     /// Index of refraction on the new side over that of the old one; 1 unless refracted.
     pub ior_ratio: Spectrum,
+    /// How much slower light is on the new side than on the old one: the same ratio, or that of group indices.
+    pub slowness: f32,
 }
 
 impl Default for Bsdf<'_> {
@@ -248,13 +250,13 @@ impl<'a> Bsdf<'a> {
         holes.map(|part| part.weight).sum()
     }
 
-    /// Index of refraction on the side of a direction to which smooth lobes lead, over that on the side of `to_previous`.
+    /// How much slower light is on the side of a direction to which smooth lobes lead, than on the side of `to_previous`.
     #[inline]
-    pub fn ior_ratio(&self, to_previous: Vec3, to_next: Vec3) -> f32 {
+    pub fn slowness(&self, to_previous: Vec3, to_next: Vec3) -> f32 {
         if !self.transmits || to_previous.z * to_next.z > 0.0 {
             return 1.0;
         }
-        let ratios = self.parts().iter().map(|part| part.model.ior_ratio(part.turned(to_previous)));
+        let ratios = self.parts().iter().map(|part| part.model.slowness(part.turned(to_previous)));
         ratios.into_iter().find(|&ratio| ratio != 1.0).unwrap_or(1.0)
     }
 
@@ -434,20 +436,27 @@ impl Part<'_> {
         let to_next = self.turned(to_next);
         if Lobes::DELTA.contains(event) {
             let mut weight = self.model.scatter().shares(local)[event.index()] * (self.weight / probability);
+            let mut slowness = ior_ratio;
             if let Model::Glass(glass) = &self.model
-                && let Some((fan, lane)) = glass.followed(event, u)
+                && event == Event::Refraction
             {
-                weight = fan.followed(weight, lane);
+                let mut below = glass.slowness;
+                if let Some((fan, lane)) = glass.followed(event, u) {
+                    weight = fan.followed(weight, lane);
+                    below = fan.slowness[lane];
+                }
+                slowness = if local.z > 0.0 { below } else { 1.0 / below };
             }
-            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio: Spectrum::grey(ior_ratio) });
+            let ior_ratio = Spectrum::grey(ior_ratio);
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio, slowness });
         }
         let (pdf, value) = smooth(to_next);
-        let ior_ratio = match &self.model {
-            Model::RoughGlass(glass) if ior_ratio != 1.0 => glass.ior_ratios(local),
-            _ => None,
-        }
-        .unwrap_or(Spectrum::grey(ior_ratio));
-        (pdf > 0.0).then_some(Scattered { to_next, weight: value * (to_next.z.abs() / pdf), pdf, event, ior_ratio })
+        let (ior_ratio, slowness) = match &self.model {
+            Model::RoughGlass(glass) if ior_ratio != 1.0 => glass.ior_ratios(local, ior_ratio),
+            _ => (Spectrum::grey(ior_ratio), ior_ratio),
+        };
+        let weight = value * (to_next.z.abs() / pdf);
+        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness })
     }
 }
 

@@ -13,6 +13,8 @@ pub struct Glass {
     pub ior: f32,
     /// The indices of the lanes, where they differ.
     pub fan: Option<Fan>,
+    /// How much slower light is below than above, if there is no fan.
+    pub slowness: f32,
     /// Tint of the reflected light, 0 to 1.
     pub reflectance: Spectrum,
     /// Tint of the refracted light, 0 to 1.

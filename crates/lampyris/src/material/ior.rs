@@ -1,8 +1,9 @@
 //! The index of refraction of a boundary, which may depend on the wavelength.
 
 use crate::math::ONE_MINUS_EPSILON;
-use crate::spectrum::{Dispersion, Spectrum};
+use crate::spectrum::{Dispersion, FRAUNHOFER_D, Spectrum};
 use crate::texture::Lookup;
+use crate::transient::IndexMode;
 
 /// Index of refraction below the normal over that above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,12 +11,39 @@ pub struct Ior {
     below: Dispersion,
     above: Dispersion,
     at_d: f32,
+    /// Which index makes lengths optical.
+    index: IndexMode,
+    /// This one at Fraunhofer's line d.
+    slowness_at_d: f32,
 }
 
 impl Ior {
     /// Between these two substances.
     pub fn new(below: Dispersion, above: Dispersion) -> Ior {
-        Ior { below, above, at_d: (below.at_d() / above.at_d()) as f32 }
+        let at_d = (below.at_d() / above.at_d()) as f32;
+        Ior { below, above, at_d, index: IndexMode::Phase, slowness_at_d: at_d }
+    }
+
+    /// The same, where this index makes lengths optical.
+    #[must_use]
+    pub fn with_index(self, index: IndexMode) -> Ior {
+        let with = Ior { index, ..self };
+        let slowness_at_d = if self.disperses() { with.slowness(FRAUNHOFER_D) } else { self.at_d };
+        Ior { slowness_at_d, ..with }
+    }
+
+    /// How much slower light of this wavelength in nm is below than above.
+    fn slowness(&self, nanometres: f64) -> f32 {
+        let ratio = match self.index {
+            IndexMode::Phase => self.below.at(nanometres) / self.above.at(nanometres),
+            IndexMode::Group => self.below.group_at(nanometres) / self.above.group_at(nanometres),
+        };
+        ratio as f32
+    }
+
+    /// How much slower light is below than above at Fraunhofer's line d.
+    pub(super) fn slowness_at_d(&self) -> f32 {
+        self.slowness_at_d
     }
 
     /// At Fraunhofer's line d: for passes without wavelengths.
@@ -43,17 +71,22 @@ impl Ior {
             let nanometres = f64::from(nanometres);
             (self.below.at(nanometres) / self.above.at(nanometres)) as f32
         });
+        let slowness = match self.index {
+            IndexMode::Phase => iors,
+            IndexMode::Group => nanometres.map(|nanometres| self.slowness(nanometres.into())),
+        };
         let carried = carried.lanes().map(f32::abs);
         let sum: f32 = carried.iter().sum();
         let chances = if sum > 0.0 { carried.map(|lane| lane / sum) } else { [0.25; 4] };
-        (self.at_d, Some(Fan { iors, chances }))
+        (self.at_d, Some(Fan { iors, slowness, chances }))
     }
 }
 
 impl From<f32> for Ior {
     /// The same for all wavelengths.
     fn from(ratio: f32) -> Ior {
-        Ior { below: Dispersion::None(ratio.into()), above: Dispersion::None(1.0), at_d: ratio }
+        let (below, above) = (Dispersion::None(ratio.into()), Dispersion::None(1.0));
+        Ior { below, above, at_d: ratio, index: IndexMode::Phase, slowness_at_d: ratio }
     }
 }
 
@@ -65,6 +98,8 @@ impl From<f32> for Ior {
 pub struct Fan {
     /// Index below the normal over that above it, by lane.
     pub iors: [f32; 4],
+    /// How much slower light is below than above, by lane: the same, or the ratio of group indices.
+    pub slowness: [f32; 4],
     /// The probability of each lane to be the one that is followed; they add up to 1.
     pub chances: [f32; 4],
 }

@@ -377,9 +377,10 @@ impl Materials {
             Material::Diffuse { reflectance } => Model::Diffuse(Diffuse { reflectance: reflectance.lanes(at) }),
             Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: reflectance.lanes(at) }),
             Material::Glass { ior, reflectance, transmittance } => {
+                let slowness = ior.slowness_at_d();
                 let (ior, fan) = ior.at(at);
                 let (reflectance, transmittance) = (reflectance.lanes(at), transmittance.lanes(at));
-                Model::Glass(Glass { ior, fan, reflectance, transmittance })
+                Model::Glass(Glass { ior, fan, slowness, reflectance, transmittance })
             }
             Material::ThinGlass { ior, reflectance, transmittance } => Model::ThinGlass(ThinGlass {
                 ior: *ior,
@@ -404,8 +405,9 @@ impl Materials {
                 let facets = rough.at(at);
                 let once = once.as_ref().map(|table| table.row(facets.mean_alpha()));
                 let (reflectance, transmittance) = (reflectance.lanes(at), transmittance.lanes(at));
+                let slowness = ior.slowness_at_d();
                 let (ior, fan) = ior.at(at);
-                Model::RoughGlass(RoughGlass { facets, ior, fan, reflectance, transmittance, once })
+                Model::RoughGlass(RoughGlass { facets, ior, fan, slowness, reflectance, transmittance, once })
             }
             Material::RoughPlastic { reflectance, specular, ior, rough, coat, nonlinear } => {
                 let facets = rough.at(at);

@@ -21,6 +21,8 @@ pub struct RoughGlass<'a> {
     pub ior: f32,
     /// The indices of the lanes, where they differ.
     pub fan: Option<Fan>,
+    /// How much slower light is below than above, if there is no fan.
+    pub slowness: f32,
     /// Tint of the reflected light, 0 to 1.
     pub reflectance: Spectrum,
     /// Tint of the refracted light, 0 to 1.
@@ -138,9 +140,14 @@ impl RoughGlass<'_> {
         }
     }
 
-    /// Index of refraction on the far side over that on the near side, by lane.
-    pub(super) fn ior_ratios(&self, to_previous: Vec3) -> Option<Spectrum> {
-        self.fan.map(|fan| fan.lanes(|ior| if to_previous.z > 0.0 { ior } else { 1.0 / ior }))
+    /// Index of refraction on the far side over that on the near side, by lane, or `once` for all of them; and how much slower
+    /// light of the first is there.
+    pub(super) fn ior_ratios(&self, to_previous: Vec3, once: f32) -> (Spectrum, f32) {
+        let across = |below: f32| if to_previous.z > 0.0 { below } else { 1.0 / below };
+        match &self.fan {
+            Some(fan) => (fan.lanes(across), across(fan.slowness[0])),
+            None => (Spectrum::grey(once), across(self.slowness)),
+        }
     }
 
     /// Value of the light that leaves after more than one facet.

@@ -23,6 +23,8 @@ pub struct Matter<'m> {
     pub cloud: Option<&'m Cloud>,
     /// What the lanes are.
     pub basis: &'m Basis,
+    /// Mean optical path length, in scene units, by which a particle holds back the light that it scatters.
+    pub delay: f32,
 }
 
 /// What became of a flight.
@@ -45,6 +47,13 @@ pub enum Flight {
 }
 
 impl Matter<'_> {
+    /// By how much a particle holds back the light that it scatters, as an optical path length in scene units: of the density
+    /// exp(-Δ/τ)/τ, by a number uniform in 0..1 that is asked for if it matters.
+    #[inline]
+    pub fn delay(&self, uniform: impl FnOnce() -> f64) -> f64 {
+        if self.delay > 0.0 { -f64::from(self.delay) * (-uniform()).ln_1p() } else { 0.0 }
+    }
+
     /// The share of the light that goes so far along the ray without meeting a particle; in a cloud an estimate.
     #[inline]
     pub fn transmittance(&self, ray: &Ray, distance: f32, sampler: &mut Sampler) -> Spectrum {
@@ -185,6 +194,7 @@ mod tests {
             phase: &Phase::Isotropic,
             cloud: None,
             basis: &Basis::Rgb,
+            delay: 0.0,
         };
         let (carried, distance, count) = (Spectrum::from_rgb([2.0, 0.5, 1.0]), 0.7, 400_000_u32);
         let mut sampler = Sampler::new(3, 0, 0, 0);
@@ -218,6 +228,7 @@ mod tests {
             phase: &Phase::Isotropic,
             cloud: None,
             basis: &Basis::Rgb,
+            delay: 0.0,
         };
         let mut sampler = Sampler::new(3, 0, 0, 0);
         assert_eq!(matter.transmittance(&RAY, f32::INFINITY, &mut sampler).to_rgb(), [1.0, 1.0, 0.0]);

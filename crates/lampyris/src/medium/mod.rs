@@ -30,6 +30,8 @@ pub struct Medium {
     pub phase: Phase,
     /// What the coefficients are multiplied by, where that is not the same everywhere.
     pub cloud: Option<Arc<Cloud>>,
+    /// Mean optical path length, in scene units, by which a particle holds back the light that it scatters.
+    pub delay: f32,
 }
 
 impl Medium {
@@ -48,6 +50,7 @@ impl Medium {
             scattering: basis.lanes(self.scattering),
             phase: &self.phase,
             cloud: self.cloud.as_deref(),
+            delay: self.delay,
             basis,
         }
     }

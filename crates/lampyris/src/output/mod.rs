@@ -31,6 +31,7 @@ mod tal;
 #[cfg(test)]
 mod tests;
 mod tga;
+mod timed;
 mod transient;
 mod video;
 
@@ -42,6 +43,7 @@ pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photon
 pub use plot::{check_pixel, map_csv, profile_csv, profile_svg};
 pub use scene::{check_scene_path, write_scene};
 pub use tal::{encode_tal, is_hdf5, write_tal};
+pub use timed::write_timed;
 pub use transient::{
     TransientFormat, check_transient_path, read_transient, sidecar_path, write_phasors, write_transient,
 };

@@ -160,7 +160,7 @@ mod tests {
             normal: Vec3::Y,
             optical_length: 7.5,
             reach: 1.0,
-            ior: 1.0,
+            slowness: 1.0,
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
             rivals: 0.0,

@@ -24,8 +24,8 @@ pub enum TransientFormat {
 }
 
 /// The names within an `.npz` file.
-const ARRAY: &str = "transient.npy";
-const SIDECAR: &str = "transient.json";
+pub(super) const ARRAY: &str = "transient.npy";
+pub(super) const SIDECAR: &str = "transient.json";
 
 /// Units of length by which the speed of light may be told, in metres.
 const UNITS: [(&str, f64); 4] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("km", 1e3)];
@@ -58,6 +58,21 @@ struct Sidecar {
     /// Of a relay wall.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     capture: Option<Capture>,
+    /// Which part of the light it is, if not all.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    layer: Option<String>,
+    /// Which parts of the light have arrays of their own.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    layers: Vec<String>,
+}
+
+/// What an array has of the light, and what others beside it have.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Layering<'a> {
+    /// The layer, if it is not all light.
+    pub layer: Option<&'a str>,
+    /// The layers that have arrays of their own.
+    pub layers: &'a [String],
 }
 
 fn this_version() -> u32 {
@@ -92,6 +107,17 @@ pub fn sidecar_path(path: &Path) -> PathBuf {
     path.with_extension("json")
 }
 
+/// Where the array of a layer in time stands, beside that of all light in `path`: `NAME.LAYER.npy`.
+pub(super) fn layer_path(path: &Path, layer: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{layer}.{extension}"))
+}
+
+/// The array of a layer in time within an `.npz`.
+pub(super) fn member_of(layer: &str) -> String {
+    format!("{layer}.npy")
+}
+
 /// Finds what would stop [`write_transient`] from writing to `path`.
 ///
 /// # Errors
@@ -111,23 +137,30 @@ pub fn write_transient(path: &Path, transient: &Transient) -> Result<()> {
     match TransientFormat::of(path)? {
         TransientFormat::Npy => {
             // The array comes last: whoever sees it appear finds what it means.
-            write_whole(&sidecar_path(path), &encode_sidecar(transient)?)?;
+            write_whole(&sidecar_path(path), &encode_sidecar(transient, Layering::default())?)?;
             write_whole(path, &encode_values(transient))
         }
-        TransientFormat::Npz => write_whole(path, &encode_npz(transient)?),
+        TransientFormat::Npz => write_whole(path, &encode_npz(members(transient))?),
     }
 }
 
 /// Reads what [`write_transient`] writes, and arrays of others: `(height, width, bins, channels)` with 3 channels or 1, or
 /// `(height, width, bins)`, of 16-, 32- or 64-bit floats. One channel fills all three. `otherwise` is the axis of an array
-/// that has no file beside it.
+/// that has no file beside it; `layer` names a part of the light that has an array of its own.
 ///
 /// # Errors
-/// Another extension, an array of another shape or shorter than its shape, an axis that is missing or makes no sense, or
+/// Another extension, a layer that is not there, an array of another shape or shorter than its shape, an axis that is missing or makes no sense, or
 /// what the operating system says.
-pub fn read_transient(path: &Path, otherwise: Option<Timing>) -> Result<Transient> {
+pub fn read_transient(path: &Path, layer: Option<&str>, otherwise: Option<Timing>) -> Result<Transient> {
     match TransientFormat::of(path)? {
         TransientFormat::Npy => {
+            let own = layer.map(|layer| layer_path(path, layer));
+            if let (Some(layer), Some(own)) = (layer, &own)
+                && !own.exists()
+            {
+                return Err(no_layer(layer, read_whole(&sidecar_path(path)).ok()).with_file(path));
+            }
+            let path = own.as_deref().unwrap_or(path);
             let sidecar = sidecar_path(path);
             let bytes = read_whole(path)?;
             let meaning = match (read_whole(&sidecar), otherwise) {
@@ -138,8 +171,18 @@ pub fn read_transient(path: &Path, otherwise: Option<Timing>) -> Result<Transien
             };
             decode_values(&bytes, meaning).map_err(|error| error.with_file(path))
         }
-        TransientFormat::Npz => decode_npz(&read_whole(path)?, otherwise).map_err(|error| error.with_file(path)),
+        TransientFormat::Npz => decode_npz(&read_whole(path)?, layer, otherwise).map_err(|error| error.with_file(path)),
     }
+}
+
+/// There is no such layer in time; those that there are stand in the sidecar.
+fn no_layer(layer: &str, sidecar: Option<Vec<u8>>) -> Error {
+    let sidecar: Option<Sidecar> = sidecar.and_then(|text| serde_json::from_slice(&text).ok());
+    let known = sidecar.map(|sidecar| sidecar.layers).unwrap_or_default();
+    Error::new(format!("there is no layer '{layer}' in time")).with_hint(match known.is_empty() {
+        true => "only all light was kept; film.time.layers asks for more".into(),
+        false => format!("known are {}", known.join(", ")),
+    })
 }
 
 fn no_axis(path: &Path, sidecar: &Path) -> Error {
@@ -156,18 +199,31 @@ pub fn write_phasors(path: &Path, phasors: &Phasors) -> Result<()> {
     if TransientFormat::of(path)? != TransientFormat::Npy {
         return Err(Error::new(format!("'{}' names no file for phasors", path.display())).with_hint("known is .npy"));
     }
-    let shape = [phasors.height, phasors.width, phasors.frequencies.len(), 2];
-    let facts = serde_json::json!({ "frequencies": phasors.frequencies, "shape": shape });
-    write_whole(&sidecar_path(path), format!("{facts:#}\n").as_bytes())?;
-    write_whole(path, &encode_array(&shape, &phasors.values))
+    let (array, sidecar) = encode_phasors(phasors, Layering::default());
+    write_whole(&sidecar_path(path), &sidecar)?;
+    write_whole(path, &array)
 }
 
-fn encode_values(transient: &Transient) -> Vec<u8> {
+/// The array and what stands beside it.
+pub(super) fn encode_phasors(phasors: &Phasors, layering: Layering<'_>) -> (Vec<u8>, Vec<u8>) {
+    let Phasors { width, height, frequencies, start, values } = phasors;
+    let shape = [*height, *width, frequencies.len(), 2];
+    let mut facts = serde_json::json!({ "frequencies": frequencies, "start_opl": start, "shape": shape });
+    if let Some(layer) = layering.layer {
+        facts["layer"] = layer.into();
+    }
+    if !layering.layers.is_empty() {
+        facts["layers"] = layering.layers.into();
+    }
+    (encode_array(&shape, values), format!("{facts:#}\n").into_bytes())
+}
+
+pub(super) fn encode_values(transient: &Transient) -> Vec<u8> {
     encode_array(&[transient.height(), transient.width(), transient.bins(), 3], transient.values())
 }
 
 /// The JSON beside an array.
-fn encode_sidecar(transient: &Transient) -> Result<Vec<u8>> {
+pub(super) fn encode_sidecar(transient: &Transient, layering: Layering<'_>) -> Result<Vec<u8>> {
     let timing = transient.timing();
     let unit = UNITS.into_iter().find(|(_, metres)| SPEED_OF_LIGHT / metres == timing.light_speed);
     let sidecar = Sidecar {
@@ -180,6 +236,8 @@ fn encode_sidecar(transient: &Transient) -> Result<Vec<u8>> {
         index: timing.index.name().into(),
         shape: Some([transient.height() as u64, transient.width() as u64, transient.bins() as u64, 3]),
         capture: transient.capture().cloned(),
+        layer: layering.layer.map(Into::into),
+        layers: layering.layers.to_vec(),
     };
     let mut bytes = serde_json::to_vec_pretty(&sidecar)
         .map_err(|error| Error::new(format!("the axis of time cannot be written: {error}")))?;
@@ -275,25 +333,31 @@ fn decode_values(bytes: &[u8], (timing, capture): Meaning) -> Result<Transient> 
     }
 }
 
-fn encode_npz(transient: &Transient) -> Result<Vec<u8>> {
-    let array = encode_values(transient);
-    let sidecar = encode_sidecar(transient)?;
-    let write = || {
-        let mut file = ZipWriter::new(Cursor::new(Vec::new()));
-        for (name, bytes) in [(ARRAY, &array), (SIDECAR, &sidecar)] {
-            let options = SimpleFileOptions::default()
-                .compression_method(CompressionMethod::Deflated)
-                .compression_level(Some(1))
-                .large_file(bytes.len() > u32::MAX as usize);
-            file.start_file(name, options)?;
-            file.write_all(bytes)?;
-        }
-        file.finish().map(Cursor::into_inner)
-    };
-    write().map_err(|error: ZipError| Error::new(format!("the transient cannot be written as NPZ: {error}")))
+/// A file within another: its name and its bytes.
+type Member = Result<(String, Vec<u8>)>;
+
+fn members(transient: &Transient) -> [Member; 2] {
+    let sidecar = encode_sidecar(transient, Layering::default());
+    [Ok((ARRAY.into(), encode_values(transient))), sidecar.map(|bytes| (SIDECAR.into(), bytes))]
 }
 
-fn decode_npz(bytes: &[u8], otherwise: Option<Timing>) -> Result<Transient> {
+/// The members come one after the other, so that not all of them need be in memory at once.
+pub(super) fn encode_npz(members: impl IntoIterator<Item = Member>) -> Result<Vec<u8>> {
+    let unwritable = |error: ZipError| Error::new(format!("the light by time cannot be written as NPZ: {error}"));
+    let mut file = ZipWriter::new(Cursor::new(Vec::new()));
+    for member in members {
+        let (name, bytes) = member?;
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .compression_level(Some(1))
+            .large_file(bytes.len() > u32::MAX as usize);
+        file.start_file(name, options).map_err(unwritable)?;
+        file.write_all(&bytes).map_err(|error| unwritable(error.into()))?;
+    }
+    file.finish().map(Cursor::into_inner).map_err(unwritable)
+}
+
+fn decode_npz(bytes: &[u8], layer: Option<&str>, otherwise: Option<Timing>) -> Result<Transient> {
     let damaged = |error: ZipError| Error::new(format!("the NPZ file is damaged: {error}"));
     let mut file = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
     // Deflate makes at most 1032 bytes of one, and what claims more is not believed.
@@ -316,6 +380,13 @@ fn decode_npz(bytes: &[u8], otherwise: Option<Timing>) -> Result<Transient> {
                 .with_hint("give --bin-width"));
         }
     };
+    if let Some(layer) = layer {
+        let array = match member(&member_of(layer))? {
+            Some(array) => array,
+            None => return Err(no_layer(layer, member(SIDECAR)?)),
+        };
+        return decode_values(&array, meaning);
+    }
     let array = member(ARRAY)?.ok_or_else(|| {
         Error::new(format!("the NPZ file has no {ARRAY}")).with_hint("save it by np.savez(file, transient=array)")
     })?;
@@ -351,7 +422,7 @@ mod tests {
     fn decode(format: TransientFormat, bytes: &[u8]) -> Result<Transient> {
         match format {
             TransientFormat::Npy => decode_values(bytes, (Timing::new(0.0, 1.0), None)),
-            TransientFormat::Npz => decode_npz(bytes, None),
+            TransientFormat::Npz => decode_npz(bytes, None, None),
         }
     }
 
@@ -361,7 +432,7 @@ mod tests {
     }
 
     fn files() -> [(TransientFormat, Vec<u8>); 2] {
-        let npz = encode_npz(&sample()).expect("encodes");
+        let npz = encode_npz(members(&sample())).expect("encodes");
         [(TransientFormat::Npy, encode_values(&sample())), (TransientFormat::Npz, npz)]
     }
 
@@ -372,7 +443,7 @@ mod tests {
             for name in ["a.npy", "a.NPZ"] {
                 let path = folder.path().join(name);
                 write_transient(&path, &transient).expect("written");
-                prop_assert_eq!(&read_transient(&path, None).expect("read"), &transient);
+                prop_assert_eq!(&read_transient(&path, None, None).expect("read"), &transient);
             }
         }
 
@@ -466,7 +537,7 @@ mod tests {
             t_accounts_first_and_last_bounces: false,
         };
         let transient = sample().with_capture(capture.clone()).expect("it fits");
-        let npz = encode_npz(&transient).expect("encodes");
+        let npz = encode_npz(members(&transient)).expect("encodes");
         assert_eq!(decode(TransientFormat::Npz, &npz).expect("read").capture(), Some(&capture));
         for broken in [
             Capture { sensor_grid_xyz: grid[..2].to_vec(), ..capture.clone() },
@@ -494,9 +565,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.npy");
         std::fs::write(&path, encode_values(&sample())).expect("written");
-        let error = read_transient(&path, None).expect_err("no axis");
+        let error = read_transient(&path, None, None).expect_err("no axis");
         assert!(error.to_string().contains("there is no") && error.to_string().contains("--bin-width"), "{error}");
         let timing = Timing::new(7.0, 0.5);
-        assert_eq!(*read_transient(&path, Some(timing)).expect("read").timing(), timing);
+        assert_eq!(*read_transient(&path, None, Some(timing)).expect("read").timing(), timing);
     }
 }

@@ -114,7 +114,7 @@ impl Visitor for Deposit<'_> {
                 normal: if normal.dot(point.to_previous) < 0.0 { -normal } else { normal },
                 optical_length: path.optical_length as f32,
                 reach: if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance },
-                ior: path.ior,
+                slowness: path.slowness,
                 flux: path.throughput,
                 rivals,
                 path: self.path,
@@ -134,6 +134,8 @@ impl Visitor for Deposit<'_> {
     fn medium_vertex(&mut self, point: &MediumPoint, path: &PathState, _: &mut Sampler) -> bool {
         if self.volume != Volume::Beams && self.readable_in(&point.matter, path) {
             let reach = if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance };
+            // Where it is read, the particle holds its light back anew.
+            let path = &PathState { optical_length: path.optical_length - point.delay, ..*path };
             self.beams.push(Beam::new(self.path, path, point.position, [reach, 0.0], point.matter.id));
         }
         true

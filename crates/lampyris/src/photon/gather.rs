@@ -126,7 +126,7 @@ mod tests {
             normal,
             optical_length: 0.0,
             reach: 1.0,
-            ior: 1.0,
+            slowness: 1.0,
             flux: Spectrum::ONE,
             bounce: 0,
             history: Lobes::NONE,

@@ -177,7 +177,7 @@ mod tests {
                 normal: Vec3::Z,
                 optical_length: index as f32,
                 reach: 1.0,
-                ior: 1.0,
+                slowness: 1.0,
                 flux: Spectrum::ONE,
                 bounce: 0,
                 rivals: 0.0,

@@ -39,8 +39,8 @@ pub struct Photon {
     pub optical_length: f32,
     /// Length of the last segment of its path, in scene units; infinite where its light came in parallel.
     pub reach: f32,
-    /// Index of refraction of where it was, over that of where its path began.
-    pub ior: f32,
+    /// How much slower light is where it was than where its path began: by the ratio of indices, or of group indices.
+    pub slowness: f32,
     /// Flux in W, as if its path were the only one of its pass.
     pub flux: Spectrum,
     /// What else could have made its path: see [`Rivals::at`](crate::transport::Rivals::at); 0 where nobody asks.
@@ -54,18 +54,18 @@ pub struct Photon {
 }
 
 impl Photon {
-    /// Optical length of its path if that ended at a point near it, where the index of refraction is this: as a spherical
+    /// Optical length of its path if that ended at a point near it, where light is so slow: as a spherical
     /// wave from where the path turned last, or as a plane wave. So a kernel's radius does not blur time to first order
     /// (theory §8), and nothing comes before the shortest path. In scene units.
     #[inline]
-    pub fn optical_length_at(&self, at: Vec3, ior: f32) -> f64 {
+    pub fn optical_length_at(&self, at: Vec3, slowness: f32) -> f64 {
         let offset = at - self.position;
         let further = if self.reach.is_finite() {
             (offset + self.direction * self.reach).length() - self.reach
         } else {
             offset.dot(self.direction)
         };
-        f64::from(ior) * (f64::from(self.optical_length / self.ior) + f64::from(further))
+        f64::from(slowness) * (f64::from(self.optical_length / self.slowness) + f64::from(further))
     }
 
     /// Whether it came from the lamp by mirrors and glass alone, and by at least one of them.

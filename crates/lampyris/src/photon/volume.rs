@@ -29,8 +29,8 @@ pub struct Beam {
     pub flux: Spectrum,
     /// Optical length of its path as far as the start, in scene units.
     pub optical_length: f64,
-    /// Index of refraction of where it is, over that of where its path began.
-    pub ior: f32,
+    /// How much slower light is where it is than where its path began.
+    pub slowness: f32,
     /// The medium.
     pub medium: MediumId,
     /// The number of its path in the pass.
@@ -53,7 +53,7 @@ impl Beam {
             reach,
             flux: path.throughput,
             optical_length: path.optical_length,
-            ior: path.ior,
+            slowness: path.slowness,
             medium,
             path: number,
             bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),
@@ -168,18 +168,18 @@ impl VolumeMap {
 
     /// Tells of each photon that shines along a segment of a path from the camera: with the radiance that it sends to the
     /// segment's start, and the optical lengths of the way from where it shines to there, and of the whole way from the lamp,
-    /// where space has this index.
+    /// where light is so slow.
     pub fn gather(
         &self,
         segment: &Segment,
-        ior: f32,
+        slowness: f32,
         sampler: &mut Sampler,
         mut tell: impl FnMut(&Beam, Spectrum, [f64; 2]),
     ) {
         let unit = 1.0 / self.paths_emitted as f32;
         let mut tell = |beam: &Beam, light: Spectrum, t: f32, further: f32| {
-            let way = beam.optical_length / f64::from(beam.ior) + f64::from(t) + f64::from(further);
-            tell(beam, light * unit, [f64::from(t), way].map(|way| f64::from(ior) * way));
+            let way = beam.optical_length / f64::from(beam.slowness) + f64::from(t) + f64::from(further);
+            tell(beam, light * unit, [f64::from(t), way].map(|way| f64::from(slowness) * way));
         };
         match self.volume {
             Volume::Beams => self.crossings(segment, sampler, tell),

@@ -93,6 +93,12 @@ impl Sampler {
         unit(self.random.next_u32())
     }
 
+    /// Numbers for a side matter of the path where it is now, which take none of its own.
+    #[inline]
+    pub fn aside(&self) -> Aside {
+        Aside(self.random.clone().next_u64() ^ ASIDE)
+    }
+
     #[inline]
     fn number(&mut self, together: u32) -> f32 {
         let bits = match self.sequence.as_mut().and_then(|sequence| sequence.next(together)) {
@@ -100,6 +106,19 @@ impl Sampler {
             None => self.random.next_u32(),
         };
         unit(bits)
+    }
+}
+
+/// See [`Sampler::aside`].
+#[derive(Clone, Copy, Debug)]
+pub struct Aside(u64);
+
+impl Aside {
+    /// Uniform in [0, 1), 53 bits: one for each key, independent of all others.
+    #[inline]
+    pub fn uniform(self, key: [u32; 2]) -> f64 {
+        let key = u64::from(key[0]) << 32 | u64::from(key[1]);
+        (mix(mix(self.0) ^ mix(key)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
@@ -117,6 +136,9 @@ pub fn of_pass(seed: u64, pass: u32) -> f64 {
 
 /// Sets the seeds of [`of_pass`] apart from all others.
 const PASS: u64 = 0xbb67_ae85_84ca_a73b;
+
+/// Sets the numbers of [`Sampler::aside`] apart from all others.
+const ASIDE: u64 = 0x3c6e_f372_fe94_f82b;
 
 /// Sets the seeds of [`Sampler::even`] apart from those of [`Sampler::new`].
 const EVEN: u64 = 0x6a09_e667_f3bc_c908;
@@ -149,6 +171,20 @@ mod tests {
         assert_eq!(first(1, 2, 3, 4), first(1, 2, 3, 4));
         let others = [first(2, 2, 3, 4), first(1, 3, 3, 4), first(1, 2, 4, 4), first(1, 2, 3, 5)];
         assert!(others.iter().all(|&other| other != first(1, 2, 3, 4)));
+    }
+
+    #[test]
+    fn numbers_aside_are_independent_and_take_none() {
+        let (mut sampler, untouched) = (Sampler::new(1, 2, 3, 4), Sampler::new(1, 2, 3, 4).uniform());
+        let n = 100_000;
+        let aside = sampler.aside();
+        let numbers: Vec<f64> = (0..=n).map(|key| aside.uniform([7, key]) - 0.5).collect();
+        assert_eq!(sampler.uniform(), untouched);
+        let deviation = (1.0 / f64::from(n)).sqrt();
+        let mean = numbers.iter().sum::<f64>() / f64::from(n);
+        let correlation = 12.0 * numbers.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / f64::from(n);
+        assert!(mean.abs() < 5.5 * deviation / 12_f64.sqrt(), "{mean}"); // false alarm 4e-8
+        assert!(correlation.abs() < 5.5 * deviation, "{correlation}");
     }
 
     #[test]

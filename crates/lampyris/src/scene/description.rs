@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 pub use camera::{CameraDescription, CaptureDescription, CaptureMode, FovAxis, Projection};
 pub use color::{Color, Paint};
-pub use film::{FilmDescription, FilterDescription, RenderDescription, TimeDescription};
+pub use film::{FilmDescription, FilterDescription, PhasorDescription, RenderDescription, TimeDescription};
 pub use integrator::{
     AutoSettings, BandwidthRule, Direct, IntegratorDescription, KernelName, LightSettings, PathSettings,
     PhotonMapSettings, Show, VolumeName,

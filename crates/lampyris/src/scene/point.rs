@@ -118,11 +118,11 @@ impl SurfacePoint<'_> {
         self.frame.normal.dot(self.to_previous) * self.frame.normal.dot(to_next) > 0.0
     }
 
-    /// Index of refraction on the side of a direction (world) to which smooth lobes lead, over that on the side of the
-    /// previous point.
+    /// How much slower light is on the side of a direction (world) to which smooth lobes lead, than on the side of the previous
+    /// point.
     #[inline]
-    pub fn ior_toward(&self, direction: Vec3) -> f32 {
-        self.bsdf.ior_ratio(self.local_previous, self.frame.to_local(direction))
+    pub fn slowness_toward(&self, direction: Vec3) -> f32 {
+        self.bsdf.slowness(self.local_previous, self.frame.to_local(direction))
     }
 
     /// The density per solid angle with which the walk goes on in the direction `to_next` (world) by a smooth lobe.

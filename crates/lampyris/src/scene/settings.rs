@@ -240,7 +240,14 @@ fn parse(node: Node<'_>, path: &str, text: &str) -> Result<Value> {
 fn completed<'t>(form: &Form<'_>, text: &'t str) -> Cow<'t, str> {
     let is_word = !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
     match form {
-        Form::List(..) if !text.starts_with('[') => format!("[{text}]").into(),
+        Form::List(item, _) if !text.starts_with('[') => {
+            let form = item.form();
+            let items: Vec<_> = text.split(',').map(|item| completed(&form, item.trim())).collect();
+            match form {
+                Form::Word(_) => format!("[{}]", items.join(", ")).into(),
+                _ => format!("[{text}]").into(),
+            }
+        }
         Form::Tagged(_) if is_word => format!("{{ type = \"{text}\" }}").into(),
         Form::Word(_) | Form::Text if is_word => format!("\"{text}\"").into(),
         // TOML has neither `.5` nor `5.`.

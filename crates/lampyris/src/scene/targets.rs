@@ -112,8 +112,10 @@ impl Scene {
         let aimed = targets.density(shape as u32, &surface, to_next, between.length());
         let pdf = mixed(point.pdf(to_next, follow), aimed);
         let event = if lobes.contains(Event::Diffuse) { Event::Diffuse } else { Event::Glossy };
-        let ior_ratio = Spectrum::grey(point.ior_toward(to_next));
-        (aimed > 0.0).then_some(Scattered { to_next, weight: weight / pdf, pdf, event, ior_ratio })
+        // The index of a wall that lets light through, too: with group indices it is a little off.
+        let slowness = point.slowness_toward(to_next);
+        let (weight, ior_ratio) = (weight / pdf, Spectrum::grey(slowness));
+        (aimed > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness })
     }
 
     /// The density per solid angle with which a path is aimed along a ray: at the first thing there.

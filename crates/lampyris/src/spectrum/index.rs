@@ -58,6 +58,22 @@ impl Dispersion {
         }
     }
 
+    /// The group index n - λ dn/dλ at a wavelength in nm, by which a pulse is slower than in vacuum; not a number where the
+    /// formula has none.
+    pub fn group_at(&self, nanometres: f64) -> f64 {
+        let square = (nanometres / 1000.0).powi(2);
+        match self {
+            Dispersion::None(index) => *index,
+            Dispersion::Sellmeier(terms) => {
+                // 2 n dn/dλ is the derivative of n².
+                let terms = terms.iter().map(|[b, c]| b * c * square / (square - c).powi(2));
+                let index = self.at(nanometres);
+                index + terms.sum::<f64>() / index
+            }
+            Dispersion::Cauchy([a, b]) => a + 3.0 * b / square,
+        }
+    }
+
     /// The index at Fraunhofer's line d.
     pub fn at_d(&self) -> f64 {
         self.at(FRAUNHOFER_D)
@@ -127,6 +143,23 @@ mod tests {
         for nanometres in [400.0, 500.0, 700.0] {
             let khronos = 1.5168 + 0.5168 / 64.17 * (523_655.0 / (nanometres * nanometres) - 1.5168);
             assert!((glass.at(nanometres) - khronos).abs() < 2e-6, "{nanometres}");
+        }
+    }
+
+    #[test]
+    fn group_indices_are_the_index_less_its_slope() {
+        // N-BK7: n_g of 1.58411 at 400 nm, 1.54136 at the line d and 1.53168 at 700 nm.
+        let glass = Dispersion::of_substance("bk7").expect("bk7");
+        for (nanometres, expected) in [(400.0, 1.58411), (587.56, 1.54136), (700.0, 1.53168)] {
+            let found = glass.group_at(nanometres);
+            assert!((found - expected).abs() < 1e-5, "{nanometres}: {found}");
+        }
+        for formula in [glass, Dispersion::of_abbe(1.6, 30.0), Dispersion::None(1.3)] {
+            for nanometres in [400.0, 550.0, 720.0] {
+                let slope = (formula.at(nanometres + 0.5) - formula.at(nanometres - 0.5)) / 1.0;
+                let by_difference = formula.at(nanometres) - nanometres * slope;
+                assert!((formula.group_at(nanometres) - by_difference).abs() < 1e-5, "{formula:?} at {nanometres}");
+            }
         }
     }
 

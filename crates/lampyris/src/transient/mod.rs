@@ -4,6 +4,7 @@
 //! counted from the moment at which all lamps flash. Divided by the speed of light it is a time.
 
 mod capture;
+mod parts;
 mod phasor;
 mod pulse;
 mod spad;
@@ -11,7 +12,9 @@ mod tof;
 mod views;
 
 pub use capture::{Capture, Grid};
+pub use parts::{LightKind, Met, TimeLayer, TimeLayers};
 pub use phasor::Phasors;
+pub(crate) use phasor::{phase, phasor_frequencies};
 pub use pulse::{Pulse, Table};
 pub use spad::{Counting, Spad};
 pub use tof::TimeOfFlight;
@@ -85,7 +88,8 @@ impl Unwarp {
 }
 
 /// Which index of refraction makes lengths optical.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum IndexMode {
     /// The index n that bends light.
     #[default]

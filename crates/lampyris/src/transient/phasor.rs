@@ -15,6 +15,8 @@ pub struct Phasors {
     pub height: usize,
     /// Cycles per scene unit of optical path length.
     pub frequencies: Vec<f64>,
+    /// Where all phases are 0: optical path length in scene units.
+    pub start: f64,
     /// `(height, width, frequencies, 2)`, row-major: real and imaginary parts.
     pub values: Vec<f32>,
 }
@@ -36,14 +38,7 @@ impl Transient {
         let width = self.axis().bin_width;
         let waves: Vec<Vec<[f64; 2]>> = frequencies
             .iter()
-            .map(|frequency| {
-                let angle = |bin: usize| {
-                    // Whole turns are taken away while the number is exact enough to tell.
-                    let turns = frequency * width * (bin as f64 + 0.5);
-                    -2.0 * std::f64::consts::PI * (turns - turns.round())
-                };
-                (0..self.bins()).map(|bin| [angle(bin).cos(), angle(bin).sin()]).collect()
-            })
+            .map(|frequency| (0..self.bins()).map(|bin| phase(*frequency, width * (bin as f64 + 0.5))).collect())
             .collect();
         let transformed = |profile: &[f32]| -> Vec<f32> {
             let light: Vec<f64> = profile.chunks_exact(3).map(|v| luminance([v[0], v[1], v[2]]).into()).collect();
@@ -53,30 +48,49 @@ impl Transient {
             sums.collect()
         };
         let values = self.values().par_chunks_exact(3 * self.bins()).flat_map_iter(transformed).collect();
-        Ok(Phasors { width: self.width(), height: self.height(), frequencies: frequencies.to_vec(), values })
+        let (start, frequencies) = (self.axis().start, frequencies.to_vec());
+        Ok(Phasors { width: self.width(), height: self.height(), frequencies, start, values })
     }
 
-    /// The frequencies that mitransient's `phasor_hdr_film` takes for `wl_mean` and `wl_sigma`, in scene units: those of the
-    /// discrete transform, multiples of 1/(bins × bin width), from mean - 3σ rounded down to mean + 3σ rounded up, where the
-    /// mean is 1/`wl_mean` and σ is 1/(6 `wl_sigma`).
+    /// The frequencies that mitransient's `phasor_hdr_film` takes for `wl_mean` and `wl_sigma`, in scene units, and bins like
+    /// these: multiples of 1/(bins × bin width) about 1/`wl_mean`.
     ///
     /// # Errors
     /// Wavelengths that are not positive numbers, or frequencies above what the bins can tell.
     pub fn phasor_frequencies(&self, wl_mean: f64, wl_sigma: f64) -> Result<Vec<f64>> {
-        if ![wl_mean, wl_sigma].into_iter().all(|length| length.is_finite() && length > 0.0) {
-            return Err(Error::new(format!("wavelengths must be numbers above 0, not {wl_mean} and {wl_sigma}")));
-        }
-        let range = self.bins() as f64 * self.axis().bin_width;
-        let (mean, sigma) = (range / wl_mean, range / (6.0 * wl_sigma));
-        let first = (mean - 3.0 * sigma).floor().max(0.0);
-        let last = (mean + 3.0 * sigma).ceil().min((self.bins() / 2) as f64);
-        if first > last {
-            let shortest = 2.0 * self.axis().bin_width;
-            return Err(Error::new(format!("bins of {} cannot tell waves of {wl_mean}", self.axis().bin_width))
-                .with_hint(format!("the shortest wavelength is two bins, {shortest}")));
-        }
-        Ok((first as usize..=last as usize).map(|index| index as f64 / range).collect())
+        phasor_frequencies(self.bins(), self.axis().bin_width, wl_mean, wl_sigma)
     }
+}
+
+/// exp(-2πi f s) for a frequency f in cycles per scene unit and a path length s: real and imaginary part.
+#[inline]
+pub(crate) fn phase(frequency: f64, length: f64) -> [f64; 2] {
+    // Whole turns are taken away while the number is exact enough to tell.
+    let turns = frequency * length;
+    let angle = -2.0 * std::f64::consts::PI * (turns - turns.round());
+    [angle.cos(), angle.sin()]
+}
+
+/// The frequencies that mitransient's `phasor_hdr_film` takes for `wl_mean` and `wl_sigma`, in scene units, and these bins:
+/// those of the discrete transform, multiples of 1/(bins × bin width), from mean - 3σ rounded down to mean + 3σ rounded up,
+/// where the mean is 1/`wl_mean` and σ is 1/(6 `wl_sigma`).
+///
+/// # Errors
+/// Wavelengths that are not positive numbers, or frequencies above what the bins can tell.
+pub(crate) fn phasor_frequencies(bins: usize, bin_width: f64, wl_mean: f64, wl_sigma: f64) -> Result<Vec<f64>> {
+    if ![wl_mean, wl_sigma].into_iter().all(|length| length.is_finite() && length > 0.0) {
+        return Err(Error::new(format!("wavelengths must be numbers above 0, not {wl_mean} and {wl_sigma}")));
+    }
+    let range = bins as f64 * bin_width;
+    let (mean, sigma) = (range / wl_mean, range / (6.0 * wl_sigma));
+    let first = (mean - 3.0 * sigma).floor().max(0.0);
+    let last = (mean + 3.0 * sigma).ceil().min((bins / 2) as f64);
+    if first > last {
+        let shortest = 2.0 * bin_width;
+        return Err(Error::new(format!("bins of {bin_width} cannot tell waves of {wl_mean}"))
+            .with_hint(format!("the shortest wavelength is two bins, {shortest}")));
+    }
+    Ok((first as usize..=last as usize).map(|index| index as f64 / range).collect())
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::spectrum::Spectrum;
 
 /// Radiance that the smooth lobes at `point` reflect from one of the lights, chosen at random, back along the path
 /// (theory §4.3), times a weight against other ways of finding the same light; with the distance that it came, in scene
-/// units times the index of refraction on its side over that on the side of the path.
+/// units times how much slower light is on its side than on the side of the path.
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
@@ -29,8 +29,9 @@ pub fn direct_light(
         return NOTHING;
     }
     let factor = |visibility: f32| point.cos(illumination.to_light) * weight(light, &illumination) * visibility;
-    let distance =
-        || scene.distance_of(point.surface.position, light, &illumination) * point.ior_toward(illumination.to_light);
+    let distance = || {
+        scene.distance_of(point.surface.position, light, &illumination) * point.slowness_toward(illumination.to_light)
+    };
     if scene.has_media() {
         let passage = scene.passage_to(point, &path.inside, &illumination, sampler);
         if passage.is_zero() {

@@ -32,6 +32,9 @@ pub struct MediumPoint<'m> {
     pub albedo: Spectrum,
     /// The medium.
     pub matter: Matter<'m>,
+    /// By how much the particle holds back the light that it scatters, as an optical path length in scene units; the path's
+    /// own has it already.
+    pub delay: f64,
 }
 
 impl MediumPoint<'_> {
@@ -81,10 +84,12 @@ impl PathState {
             }
             Flight::Collided { distance, weight, albedo } => {
                 self.throughput = self.throughput * weight;
-                self.optical_length += f64::from(self.ior * distance);
+                self.optical_length += f64::from(self.slowness * distance);
                 self.cone = self.cone.after(distance);
                 let (position, to_previous) = (self.ray.at(distance), -self.ray.direction);
-                Some(MediumPoint { position, to_previous, distance, albedo, matter })
+                let delay = matter.delay(|| sampler.aside().uniform([self.bounce, 0]));
+                self.optical_length += delay;
+                Some(MediumPoint { position, to_previous, distance, albedo, matter, delay })
             }
         }
     }

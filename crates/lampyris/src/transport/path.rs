@@ -3,11 +3,12 @@
 use glam::Vec2;
 
 use crate::geometry::{Cone, Ray};
-use crate::material::Lobes;
+use crate::material::{Event, Lobes};
 use crate::medium::Inside;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 
 /// Where a path began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,10 +26,12 @@ pub struct PathState {
     pub ray: Ray,
     /// Flux in W of a path from a lamp; weight, without unit, of a path from the camera.
     pub throughput: Spectrum,
-    /// Σ index × length so far, in scene units, of what counts; in double precision, so that long paths keep short differences.
+    /// Σ slowness × length so far, in scene units, of what counts; in double precision, so that long paths keep short differences.
     pub optical_length: f64,
     /// Index of refraction of where the path is, over that of where it began.
     pub ior: f32,
+    /// How much slower light is where the path is than where it began: the same, or the ratio of group indices.
+    pub slowness: f32,
     /// The shapes with media that it is in.
     pub inside: Inside,
     /// What the ray stands for, from its origin.
@@ -49,6 +52,7 @@ impl PathState {
             throughput,
             optical_length: 0.0,
             ior: 1.0,
+            slowness: 1.0,
             inside: Inside::NOTHING,
             cone: Cone::WIDE,
             bounce: 0,
@@ -67,6 +71,13 @@ impl PathState {
             optical_length: -f64::from(scene.head_start(pixel)),
             ..PathState::new(ray, Spectrum::grey(response))
         }
+    }
+
+    /// What light has met that comes by this path, with so many more events on surfaces.
+    #[inline]
+    pub fn met(&self, more: u32) -> Met {
+        let particles = self.history.contains(Event::Scatter);
+        Met { particles, ..Met::surfaces(self.bounce + more) }
     }
 
     /// Whether a path of this history has met mirrors and glass, and nothing else.

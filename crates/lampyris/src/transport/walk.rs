@@ -123,7 +123,7 @@ pub fn walk<V: Visitor>(
             visitor.escaped(&path);
             return Walked { end: End::Escaped, path, rays };
         };
-        path.optical_length += f64::from(path.ior * point.distance);
+        path.optical_length += f64::from(path.slowness * point.distance);
         sampler.step(step);
         path.cone = path.cone.after(point.distance);
         let mut follow = visitor.vertex(&point, &path, sampler);
@@ -231,6 +231,7 @@ impl PathState {
             }
         }
         self.ior *= scattered.ior_ratio.lanes()[0];
+        self.slowness *= scattered.slowness;
         // Mirrors and glass keep the cone, as if they were flat.
         if Lobes::SMOOTH.contains(scattered.event) {
             self.cone = self.cone.scattered();

@@ -145,17 +145,17 @@ impl Workbench {
         let transient = match bytes {
             [b'P', b'K', ..] => {
                 self.put("a.npz", bytes)?;
-                read_transient(&self.folder.join("a.npz"), Some(Timing::new(0.0, 1.0)))?
+                read_transient(&self.folder.join("a.npz"), None, Some(Timing::new(0.0, 1.0)))?
             }
             [b'{', ..] => {
                 self.put("a.npy", LIGHT_BY_TIME)?;
                 self.put("a.json", bytes)?;
-                read_transient(&array, None)?
+                read_transient(&array, None, None)?
             }
             _ => {
                 let _ = fs::remove_file(self.folder.join("a.json"));
                 self.put("a.npy", bytes)?;
-                read_transient(&array, Some(Timing::new(-1.0, 0.1)))?
+                read_transient(&array, None, Some(Timing::new(-1.0, 0.1)))?
             }
         };
         if transient.values().len() > 1 << 12 {

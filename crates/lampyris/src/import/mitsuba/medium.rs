@@ -114,6 +114,8 @@ impl Importer<'_> {
                 sigma_a: absorption,
                 scale,
                 phase,
+                delay: 0.0,
+                delay_seconds: None,
             },
             false => MediumDescription::Homogeneous {
                 sigma_t: Some(extinction.unwrap_or(Color::grey(1.0))),
@@ -122,6 +124,8 @@ impl Importer<'_> {
                 sigma_a: None,
                 scale,
                 phase,
+                delay: 0.0,
+                delay_seconds: None,
             },
         })
     }
@@ -144,7 +148,17 @@ impl Importer<'_> {
             }
             self.leftovers(query);
             let albedo = albedo.or(Some(Color::grey(0.75)));
-            return Ok(MediumDescription::Homogeneous { sigma_t, albedo, sigma_s: None, sigma_a: None, scale, phase });
+            let (sigma_s, sigma_a, delay, delay_seconds) = (None, None, 0.0, None);
+            return Ok(MediumDescription::Homogeneous {
+                sigma_t,
+                albedo,
+                sigma_s,
+                sigma_a,
+                scale,
+                phase,
+                delay,
+                delay_seconds,
+            });
         };
         if shares.as_ref().is_some_and(|(_, other)| *other != place) {
             self.warn(query.spot("albedo"), "the grid of the albedo is taken to lie where that of the density does");
@@ -162,6 +176,8 @@ impl Importer<'_> {
             file_bounds,
             nearest,
             phase,
+            delay: 0.0,
+            delay_seconds: None,
         })
     }
 

@@ -55,7 +55,8 @@ impl Importer<'_> {
         let single = |color: [f64; 3]| Color(color.map(|channel| channel as f32));
         let medium = if sort == "homogeneous" {
             let (sigma_s, sigma_a) = (Some(single(scattering)), Some(single(absorption)));
-            MediumDescription::Homogeneous { sigma_t: None, albedo: None, sigma_s, sigma_a, scale, phase }
+            let (sigma_t, albedo, delay, delay_seconds) = (None, None, 0.0, None);
+            MediumDescription::Homogeneous { sigma_t, albedo, sigma_s, sigma_a, scale, phase, delay, delay_seconds }
         } else {
             let extinction = [0, 1, 2].map(|channel| scattering[channel] + absorption[channel]);
             let share = |channel: usize| {
@@ -72,6 +73,8 @@ impl Importer<'_> {
                 file_bounds: false,
                 nearest: false,
                 phase,
+                delay: 0.0,
+                delay_seconds: None,
             }
         };
         self.leftovers(statement);

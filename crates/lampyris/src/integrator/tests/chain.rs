@@ -14,6 +14,7 @@ use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonM
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{PathState, Visitor, direct_light};
 
 /// What a pixel sees is so wide wherever it looks, in scene units.
@@ -261,7 +262,14 @@ impl Chain {
         let ior_ratio = if to > at { ior_ratio } else { 1.0 / ior_ratio };
         let to_next = self.direction(at, to);
         let pdf = if self.is_smooth(at) { point.pdf(to_next, Lobes::ALL) } else { 1.0 };
-        Scattered { to_next, weight: Spectrum::ONE, pdf, event, ior_ratio: Spectrum::grey(ior_ratio) }
+        Scattered {
+            to_next,
+            weight: Spectrum::ONE,
+            pdf,
+            event,
+            ior_ratio: Spectrum::grey(ior_ratio),
+            slowness: ior_ratio,
+        }
     }
 
     fn max_bounces(&self) -> u32 {
@@ -401,7 +409,7 @@ impl Sink for Noted {
         self.0.clear();
     }
 
-    fn add(&mut self, light: Spectrum, _: u32, _: f64) {
+    fn add(&mut self, light: Spectrum, _: Met, _: f64) {
         self.0.push(light);
     }
 

@@ -132,7 +132,7 @@ impl<'d> Builder<'d> {
             }
             MaterialDescription::Glass { ior, exterior_ior, reflectance, transmittance, roughness: None } => {
                 Material::Glass {
-                    ior: boundary(ior, exterior_ior)?,
+                    ior: self.boundary(ior, exterior_ior)?,
                     reflectance: self.paint("reflectance", reflectance)?,
                     transmittance: self.paint("transmittance", transmittance)?,
                 }
@@ -149,7 +149,7 @@ impl<'d> Builder<'d> {
                 transmittance,
                 roughness: Some(roughness),
             } => {
-                let ior = boundary(ior, exterior_ior)?;
+                let ior = self.boundary(ior, exterior_ior)?;
                 let reflectance = self.paint("reflectance", reflectance)?;
                 let transmittance = self.paint("transmittance", transmittance)?;
                 self.rough_glass(ior, reflectance, transmittance, roughness)
@@ -285,6 +285,12 @@ impl<'d> Builder<'d> {
         Ok(Material::RoughGlass { ior, reflectance, transmittance, rough, once })
     }
 
+    /// The index of a boundary between two substances.
+    fn boundary(&self, interior: &description::Ior, exterior: &description::Ior) -> Result<Ior> {
+        let index = self.description.film.time.as_ref().map(|time| time.index).unwrap_or_default();
+        Ok(boundary(interior, exterior)?.with_index(index))
+    }
+
     fn principled(&mut self, from: &'d Principled) -> Result<PrincipledTextures> {
         let spec_trans = self.paint("spec-trans", &from.spec_trans)?;
         let transmits = !matches!(&spec_trans, Texture::Constant(share) if share.is_zero());
@@ -389,7 +395,7 @@ fn ratio(interior: f32, exterior: f32) -> Result<f32> {
     Ok(check::above_zero("ior", interior)? / check::above_zero("exterior-ior", exterior)?)
 }
 
-/// The index of a boundary between two substances.
+/// The phase index of a boundary between two substances.
 fn boundary(interior: &description::Ior, exterior: &description::Ior) -> Result<Ior> {
     if let (description::Ior::Number(interior), description::Ior::Number(exterior)) = (interior, exterior) {
         return Ok(ratio(*interior, *exterior)?.into());

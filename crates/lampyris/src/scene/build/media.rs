@@ -11,6 +11,7 @@ use crate::medium::{Cloud, Grid, Interior, Medium, MediumId, Phase, Table, Volum
 use crate::scene::Assets;
 use crate::scene::description::{Color, MediumDescription, PhaseDescription, SceneDescription, Transform};
 use crate::spectrum::Spectrum;
+use crate::transient::SPEED_OF_LIGHT;
 
 /// The interior of a shape that holds nothing.
 const CLEAR: &str = "clear";
@@ -61,7 +62,7 @@ impl<'d> Builder<'d> {
 
 fn built(medium: &MediumDescription, assets: &dyn Assets) -> Result<Medium> {
     match medium {
-        MediumDescription::Homogeneous { sigma_t, albedo, sigma_s, sigma_a, scale, phase } => {
+        MediumDescription::Homogeneous { sigma_t, albedo, sigma_s, sigma_a, scale, phase, delay, delay_seconds } => {
             let scale = check::at_least_zero("scale", *scale)?;
             let (extinction, scattering) = coefficients([*sigma_t, *albedo, *sigma_s, *sigma_a])?;
             let phase = built_phase(phase, 0).map_err(|error| error.under("phase"))?;
@@ -69,7 +70,8 @@ fn built(medium: &MediumDescription, assets: &dyn Assets) -> Result<Medium> {
             if !extinction.is_finite() {
                 return Err(Error::at_key("scale", "the coefficients times their scale are too large a number"));
             }
-            Ok(Medium { extinction, scattering, phase, cloud: None })
+            let delay = built_delay(*delay, *delay_seconds)?;
+            Ok(Medium { extinction, scattering, phase, cloud: None, delay })
         }
         MediumDescription::Grid {
             file,
@@ -81,6 +83,8 @@ fn built(medium: &MediumDescription, assets: &dyn Assets) -> Result<Medium> {
             file_bounds,
             nearest,
             phase,
+            delay,
+            delay_seconds,
         } => {
             let scale = check::at_least_zero("scale", *scale)?;
             let extinction = check::light("sigma-t", sigma_t.unwrap_or(Color::grey(1.0)))? * scale;
@@ -116,7 +120,8 @@ fn built(medium: &MediumDescription, assets: &dyn Assets) -> Result<Medium> {
                 return Err(Error::at_key("scale", "the densities times their scale are too large a number"));
             }
             let phase = built_phase(phase, 0).map_err(|error| error.under("phase"))?;
-            Ok(Medium { extinction, scattering: extinction * albedo, phase, cloud: Some(Arc::new(cloud)) })
+            let (scattering, delay) = (extinction * albedo, built_delay(*delay, *delay_seconds)?);
+            Ok(Medium { extinction, scattering, phase, cloud: Some(Arc::new(cloud)), delay })
         }
     }
 }
@@ -143,6 +148,22 @@ fn coefficients([sigma_t, albedo, sigma_s, sigma_a]: [Option<Color>; 4]) -> Resu
             Ok((scattering + absorption, scattering))
         }
         _ => Err(Error::new("a medium needs either sigma-t, with albedo, or sigma-s and sigma-a")),
+    }
+}
+
+/// A mean delay in scene units.
+fn built_delay(delay: f32, seconds: Option<f32>) -> Result<f32> {
+    let delay = check::at_least_zero("delay", delay)?;
+    match seconds {
+        None => Ok(delay),
+        Some(_) if delay > 0.0 => {
+            Err(Error::at_key("delay-seconds", "'delay-seconds' is given in scene units as well")
+                .with_hint("leave one of them out"))
+        }
+        Some(seconds) => {
+            let seconds = check::at_least_zero("delay-seconds", seconds)?;
+            Ok((f64::from(seconds) * SPEED_OF_LIGHT) as f32)
+        }
     }
 }
 

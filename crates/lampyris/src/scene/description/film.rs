@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::one;
-use crate::transient::{SPEED_OF_LIGHT, Unwarp};
+use crate::error::{Error, Result};
+use crate::transient::{IndexMode, LightKind, SPEED_OF_LIGHT, TimeLayers, Unwarp, phasor_frequencies};
 
 /// The size of the picture and how samples become pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -40,8 +41,19 @@ pub struct TimeDescription {
     pub start_seconds: Option<f64>,
     /// Which part of the way is left out, for pictures in which light is seen where it is at one time.
     pub unwarp: Unwarp,
+    /// Which index of refraction makes lengths optical, where that depends on the wavelength.
+    pub index: IndexMode,
     /// Whether the variance of every bin is kept, too, which takes a third more memory.
     pub variance: bool,
+    /// Kinds of light that have bins of their own beside those of all light, each of which takes as much memory again.
+    pub layers: Vec<LightKind>,
+    /// Bins of their own for light by the number of its scattering events: 0, 1 and so on up to this, and all above.
+    pub bounces: Option<u32>,
+    /// Keeps complex amplitudes in place of bins, for frequencies of the transform of the bins: those of mitransient's
+    /// `phasor_hdr_film`. `start`, where phases are 0, is 0 by default then.
+    pub phasor: Option<PhasorDescription>,
+    /// Keeps complex amplitudes in place of bins, for these frequencies, in cycles per scene unit.
+    pub frequencies: Vec<f64>,
     /// Most memory that the bins may take, in GiB (default 8).
     pub memory_limit: f64,
 }
@@ -55,25 +67,71 @@ impl Default for TimeDescription {
             bin_width_seconds: None,
             start_seconds: None,
             unwarp: Unwarp::None,
+            index: IndexMode::Phase,
             variance: false,
+            layers: Vec::new(),
+            bounces: None,
+            phasor: None,
+            frequencies: Vec::new(),
             memory_limit: 8.0,
         }
     }
 }
 
+/// Which frequencies are kept: all multiples of 1/(bins × bin width) from 1/mean - 1/(2 sigma) to 1/mean + 1/(2 sigma).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct PhasorDescription {
+    /// The wavelength in the middle, in scene units.
+    pub mean: f64,
+    /// The longer this is, the fewer frequencies there are; in scene units.
+    pub sigma: f64,
+}
+
 impl TimeDescription {
-    /// Where the first bin begins, as an optical path length in scene units, if it is given.
+    /// Where the first bin begins, or where phases are 0, as an optical path length in scene units, if it is known.
     pub fn start(&self) -> Option<f64> {
-        self.start.or(self.start_seconds.map(|seconds| SPEED_OF_LIGHT * seconds))
+        let given = self.start.or(self.start_seconds.map(|seconds| SPEED_OF_LIGHT * seconds));
+        given.or(self.keeps_amplitudes().then_some(0.0))
     }
 
-    /// Most bytes that the bins of a picture of this size take while it is rendered: exact sums of three channels, or four
-    /// with the variance, and what arrives in one pass, twice.
+    /// Whether it asks for complex amplitudes in place of bins.
+    pub fn keeps_amplitudes(&self) -> bool {
+        self.phasor.is_some() || !self.frequencies.is_empty()
+    }
+
+    /// The frequencies for which amplitudes are kept, in cycles per scene unit; none where bins are.
+    ///
+    /// # Errors
+    /// Wavelengths without bins that could tell them.
+    pub fn amplitudes(&self) -> Result<Vec<f64>> {
+        match self.phasor {
+            None => Ok(self.frequencies.clone()),
+            Some(PhasorDescription { mean, sigma }) => match self.bin_width() {
+                Some(width) => phasor_frequencies(self.bins as usize, width, mean, sigma),
+                None => Err(Error::new("'phasor' takes its frequencies from the bins, whose width is not given")
+                    .with_hint("give bin-width, or frequencies in place of phasor")),
+            },
+        }
+    }
+
+    /// The parts of the light that have bins of their own.
+    pub fn layers(&self) -> TimeLayers {
+        TimeLayers::new(&self.layers, self.bounces)
+    }
+
+    /// Most bytes that the bins, or the amplitudes, of a picture of this size take while it is rendered, for all light and for
+    /// each layer: exact sums of three channels, or four with the variance, and what arrives in one pass, twice.
     pub fn bytes(&self, [width, height]: [u32; 2]) -> f64 {
         const SUM: f64 = 17.0;
         const ARRIVAL: f64 = 20.0;
         let sums = if self.variance { 4.0 } else { 3.0 };
-        f64::from(width) * f64::from(height) * (f64::from(self.bins) + 2.0) * (sums * SUM + 2.0 * ARRIVAL)
+        let each = match self.amplitudes() {
+            Ok(frequencies) if !frequencies.is_empty() => 2.0 * frequencies.len() as f64,
+            _ => f64::from(self.bins) + 2.0,
+        };
+        let slots = each * (1.0 + self.layers().count() as f64);
+        f64::from(width) * f64::from(height) * slots * (sums * SUM + 2.0 * ARRIVAL)
     }
 
     /// Sets both, as optical path lengths in scene units.

@@ -27,6 +27,12 @@ pub enum MediumDescription {
         /// Where scattered light goes; the same in all directions by default.
         #[serde(default)]
         phase: PhaseDescription,
+        /// Mean optical path length, in scene units, by which a particle holds back the light that it scatters: by chance, with an
+        /// exponential density (default 0).
+        #[serde(default)]
+        delay: f32,
+        /// In place of `delay`, in seconds, with scene units of a metre.
+        delay_seconds: Option<f32>,
     },
     /// Of a density that a grid gives: a cloud.
     #[serde(rename_all = "kebab-case")]
@@ -54,6 +60,12 @@ pub enum MediumDescription {
         /// Where scattered light goes; the same in all directions by default.
         #[serde(default)]
         phase: PhaseDescription,
+        /// Mean optical path length, in scene units, by which a particle holds back the light that it scatters: by chance, with an
+        /// exponential density (default 0).
+        #[serde(default)]
+        delay: f32,
+        /// In place of `delay`, in seconds, with scene units of a metre.
+        delay_seconds: Option<f32>,
     },
 }
 

@@ -105,6 +105,24 @@ fn film(film: &FilmDescription) -> Result<()> {
     Ok(())
 }
 
+/// What makes no complex amplitudes.
+fn amplitudes(time: &TimeDescription) -> Result<()> {
+    if let (Some(_), false) = (time.phasor, time.frequencies.is_empty()) {
+        let message = "'frequencies' are given by 'phasor' as well";
+        return Err(Error::at_key("film.time.frequencies", message).with_hint("leave one of them out"));
+    }
+    if let Some(broken) = time.frequencies.iter().find(|frequency| !frequency.is_finite()) {
+        return Err(Error::at_key("film.time.frequencies", format!("'frequencies' must be finite, not {broken}")));
+    }
+    if time.variance && time.keeps_amplitudes() {
+        return Err(Error::at_key("film.time.variance", "amplitudes have no variance, only bins do"));
+    }
+    match time.amplitudes() {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Error { key: Some("film.time.phasor".into()), ..error }),
+    }
+}
+
 fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
     at_least_one("film.time.bins", time.bins)?;
     let widths = [("film.time.bin-width", time.bin_width), ("film.time.bin-width-seconds", time.bin_width_seconds)];
@@ -126,6 +144,7 @@ fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
             return Err(Error::at_key(key, format!("'{}' must be finite, not {start}", last(key))));
         }
     }
+    amplitudes(time)?;
     let limit = time.memory_limit;
     if !(limit.is_finite() && limit > 0.0) {
         let message = format!("'memory-limit' must be greater than 0 and finite, not {limit}");
@@ -133,11 +152,17 @@ fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
     }
     let (gib, [width, height]) = (time.bytes(size) / GIB, size);
     if gib > limit {
-        let bins = time.bins;
-        let message =
-            format!("{bins} time bins of {width}×{height} pixels take {gib:.1} GiB, more than the {limit} allowed");
+        let kept = match time.amplitudes() {
+            Ok(frequencies) if !frequencies.is_empty() => format!("{} frequencies", frequencies.len()),
+            _ => format!("{} time bins", time.bins),
+        };
+        let message = format!("{kept} of {width}×{height} pixels take {gib:.1} GiB, more than the {limit} allowed");
+        let message = match time.layers().count() {
+            0 => message,
+            count => format!("{message}, once for all light and once for each of {count} layers"),
+        };
         return Err(Error::at_key("film.time.bins", message)
-            .with_hint("keep fewer bins or pixels, or set film.time.memory-limit, in GiB"));
+            .with_hint("keep fewer bins, layers or pixels, or set film.time.memory-limit, in GiB"));
     }
     Ok(())
 }

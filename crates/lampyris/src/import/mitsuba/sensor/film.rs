@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::import::mitsuba::Importer;
 use crate::import::mitsuba::document::Kind;
 use crate::import::mitsuba::query::Query;
-use crate::scene::description::{CaptureMode, FilmDescription, FilterDescription, TimeDescription};
+use crate::scene::description::{CaptureMode, FilmDescription, FilterDescription, PhasorDescription, TimeDescription};
 use crate::transient::Unwarp;
 
 /// The part of the picture that is drawn, in pixels from the top left corner.
@@ -82,7 +82,8 @@ impl Importer<'_> {
     /// The time bins of mitransient's films.
     fn time(&mut self, query: Query, unwarp: Unwarp) -> Result<TimeDescription> {
         // Their defaults where the file gives none.
-        let bins = query.count("temporal_bins", 1)?.unwrap_or(2048);
+        let keeps_amplitudes = query.object.plugin == "phasor_hdr_film";
+        let bins = query.count("temporal_bins", 1)?.unwrap_or(if keeps_amplitudes { 4096 } else { 2048 });
         let bin_width = Some(query.float("bin_width_opl", 0.003)?);
         let start = Some(query.float("start_opl", 0.0)?);
         let unwarps = unwarp != Unwarp::None || query.boolean("camera_unwarp", false)?;
@@ -91,19 +92,20 @@ impl Importer<'_> {
             self.warn(query.spot("exhaustive_scan"), "'exhaustive_scan' is not supported: the laser stays where it is");
         }
         query.ignore(&["laser_scan_width", "laser_scan_height", "auto_detect_bins"]);
-        if query.object.plugin == "phasor_hdr_film" {
-            query.ignore(&["wl_mean", "wl_sigma"]);
-            let message =
-                "'phasor_hdr_film' is not supported: time bins are kept, of which 'lampyris transient' makes phasors";
-            self.warn(query.object.spot, message);
-        }
+        let phasor = match keeps_amplitudes {
+            true => {
+                let (mean, sigma) = (query.float("wl_mean", 100.0)?, query.float("wl_sigma", 1000.0)?);
+                Some(PhasorDescription { mean, sigma })
+            }
+            false => None,
+        };
         let unwarp = if unwarps { Unwarp::FirstSurface } else { Unwarp::None };
         self.note_all(
             "film.time",
             query,
-            &[("bins", "temporal_bins"), ("bin-width", "bin_width_opl"), ("start", "start_opl")],
+            &[("bins", "temporal_bins"), ("bin-width", "bin_width_opl"), ("start", "start_opl"), ("phasor", "wl_mean")],
         );
-        Ok(TimeDescription { bins, bin_width, start, unwarp, ..TimeDescription::default() })
+        Ok(TimeDescription { bins, bin_width, start, unwarp, phasor, ..TimeDescription::default() })
     }
 
     fn filter(&mut self, object: usize) -> Result<FilterDescription> {

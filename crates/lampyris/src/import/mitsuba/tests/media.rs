@@ -21,6 +21,8 @@ fn a_homogeneous_medium_keeps_its_coefficients_and_phase() {
         sigma_a: None,
         scale: 2.0,
         phase: PhaseDescription::HenyeyGreenstein { g: 0.5 },
+        delay: 0.0,
+        delay_seconds: None,
     };
     assert_eq!(description.media.get("fog"), Some(&expected));
     assert_eq!(description.shapes[0].interior.as_deref(), Some("fog"));

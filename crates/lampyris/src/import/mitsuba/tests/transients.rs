@@ -53,14 +53,31 @@ fn an_ordinary_film_has_no_time_whatever_the_integrator_says() {
 }
 
 #[test]
+fn phasor_films_have_the_frequencies_of_theirs() {
+    let film = "<film type=\"phasor_hdr_film\">
+        <integer name=\"temporal_bins\" value=\"1000\"/>
+        <float name=\"bin_width_opl\" value=\"0.01\"/>
+        <float name=\"start_opl\" value=\"1.5\"/>
+        <float name=\"wl_mean\" value=\"0.4\"/>
+        <float name=\"wl_sigma\" value=\"5\"/>
+        </film>";
+    let time = clean(&sensor(film)).description.film.time.expect("time");
+    // Mean 10 / 0.4 = 25, sigma 10 / 6 / 5 = 1/3: numbers 24 to 26 of multiples of 0.1.
+    assert_eq!(time.amplitudes().expect("some"), [2.4, 2.5, 2.6]);
+    assert_eq!(time.start(), Some(1.5));
+    let time = clean(&sensor("<film type=\"phasor_hdr_film\"/>")).description.film.time.expect("time");
+    // Theirs are 4096 bins of 0.003, and waves of 100 and 1000.
+    assert_eq!(time.amplitudes().expect("some"), [0.0, 1.0 / 12.288]);
+}
+
+#[test]
 fn what_is_left_out_is_told() {
     let integrator = "<integrator type=\"transient_nlos_path\">
         <integer name=\"filter_bounces\" value=\"3\"/>
         <boolean name=\"nlos_laser_sampling\" value=\"true\"/>
         </integrator>";
-    let film = "<film type=\"phasor_hdr_film\"><float name=\"wl_mean\" value=\"0.1\"/></film>";
-    let told = messages(&scene(&(integrator.to_string() + &sensor(film))).expect("a scene")).join("; ");
-    for expected in ["'filter_bounces'", "'nlos_capture_meter'", "'phasor_hdr_film'"] {
+    let told = messages(&scene(&(integrator.to_string() + &sensor(FILM))).expect("a scene")).join("; ");
+    for expected in ["'filter_bounces'", "'nlos_capture_meter'"] {
         assert!(told.contains(expected), "{told}");
     }
 }

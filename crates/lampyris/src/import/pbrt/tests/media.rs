@@ -18,6 +18,8 @@ fn a_homogeneous_medium_keeps_its_coefficients() {
         sigma_a: Some(Color([0.5, 0.5, 0.0])),
         scale: 2.0,
         phase: PhaseDescription::HenyeyGreenstein { g: 0.25 },
+        delay: 0.0,
+        delay_seconds: None,
     };
     assert_eq!(description.media["fog"], expected);
     // The second is a border of nothing.
