@@ -295,6 +295,43 @@ fn a_point_on_a_floor_is_lit_when_light_has_come_to_it_and_on_to_the_eye() {
     }
 }
 
+/// Seen from a plane in front of the eye, the same floor is lit by so much earlier, and nothing before the plane is seen.
+#[test]
+fn from_a_near_plane_on_the_way_to_the_eye_counts() {
+    let scene = |near: f64, extra: &str| {
+        format!(
+            "camera = {{ origin = [0, 3, 0], target = [0, 0, 0], up = [0, 0, 1], fov = 4, near-distance = {near} }}
+            film = {{ size = [1, 1], filter = {{ type = 'box' }} }}
+            lights = [{{ type = 'point', position = [0, 1, 1], intensity = 1 }}]
+            [[shapes]]
+            type = 'quad'
+            corner = [-3, 0, -3]
+            u = [0, 0, 6]
+            v = [6, 0, 0]
+            {extra}"
+        )
+    };
+    let pane = "[[shapes]]\ntype = 'quad'\ncorner = [-1, 2, -1]\nu = [0, 0, 2]\nv = [2, 0, 0]\n";
+    // 3 to the eye and the root of 2 to the lamp, within the pixel's 0.1 and a bin.
+    for (near, extra, time) in
+        [(0.0, "", 3.0 + 2.0_f64.sqrt()), (1.25, "", 1.75 + 2.0_f64.sqrt()), (1.25, pane, 1.75 + 2.0_f64.sqrt())]
+    {
+        for way in [
+            "integrator=path max-bounces=1",
+            "integrator=light photons=20000 max-bounces=1",
+            "integrator=auto max-bounces=1",
+        ] {
+            let lit = lit(&scene(near, extra), &(way.to_string() + &bins(80, 0.0, 0.1)));
+            let found = lit_bins(&film(&lit, 8, Layers::NONE));
+            assert!(
+                found.iter().all(|&from| (from + 0.05 - time).abs() < 0.15),
+                "{way}, {near}: {found:?} without {time}"
+            );
+            assert!(!found.is_empty(), "{way}, {near}");
+        }
+    }
+}
+
 /// The time at which each of these slots begins that have light, at the only pixel.
 fn lit_bins(film: &Film) -> Vec<f64> {
     let clock = film.clock().expect("time");

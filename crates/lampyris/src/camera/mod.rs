@@ -29,6 +29,8 @@ pub struct Camera {
     /// Area of a pixel in the picture plane.
     pixel_area: f32,
     opening: Opening,
+    /// Distance, along the normal, of the plane from which on it sees.
+    near: f32,
 }
 
 /// Through what rays enter a camera.
@@ -57,7 +59,7 @@ struct Lens {
 pub struct Seen {
     /// Where in the picture, in pixels; may lie outside.
     pub pixel: Vec2,
-    /// The point of the lens.
+    /// The point of the lens, or of the plane from which on the camera sees.
     pub lens: Vec3,
     /// Value of the pixel for an intensity of 1 W/sr towards the lens, in 1/m².
     pub importance: f32,
@@ -98,7 +100,13 @@ impl Camera {
         let size = Vec2::new(width as f32, height as f32);
         let pixel_area = 4.0 * left.cross(up).length() / (size.x * size.y);
         let opening = Opening::Parallel;
-        Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, opening })
+        Some(Camera { origin, axes, inverse: axes.inverse(), size, normal, depth, pixel_area, opening, near: 0.0 })
+    }
+
+    /// The same that sees nothing before a plane at this distance along its normal, where its rays begin, too.
+    #[must_use]
+    pub fn from_plane(self, near: f32) -> Camera {
+        Camera { near, ..self }
     }
 
     /// A sensor that looks at points of a wall.
@@ -106,7 +114,17 @@ impl Camera {
         let size = relay.pixels().as_vec2();
         let (axes, normal) = (Mat3::IDENTITY, Vec3::Z);
         let opening = Opening::Wall(relay);
-        Camera { origin: relay.sensor, axes, inverse: axes, size, normal, depth: 1.0, pixel_area: 0.0, opening }
+        Camera {
+            origin: relay.sensor,
+            axes,
+            inverse: axes,
+            size,
+            normal,
+            depth: 1.0,
+            pixel_area: 0.0,
+            opening,
+            near: 0.0,
+        }
     }
 
     /// The wall, if the camera looks at points of one.
@@ -117,7 +135,7 @@ impl Camera {
     /// The ray through a point of the picture, in pixels, and a point of the unit square for the lens.
     pub fn ray(&self, pixel: Vec2, lens: Vec2) -> Ray {
         let across = Vec2::ONE - 2.0 * pixel / self.size;
-        match &self.opening {
+        let ray = match &self.opening {
             Opening::Parallel => {
                 Ray { origin: self.origin + self.axes * across.extend(0.0), direction: self.axes.z_axis.normalize() }
             }
@@ -126,8 +144,12 @@ impl Camera {
                 let on_lens = opening.at(lens);
                 Ray { origin: self.origin + on_lens, direction: (through * opening.focus - on_lens).normalize() }
             }
-            Opening::Wall(relay) => relay.ray(pixel),
+            Opening::Wall(relay) => return relay.ray(pixel),
+        };
+        if self.near == 0.0 {
+            return ray;
         }
+        Ray { origin: ray.at(self.near / self.normal.dot(ray.direction)), ..ray }
     }
 
     /// The point `at` as seen through a point of the lens; none from behind the camera, and none of a wall of which single
@@ -141,7 +163,7 @@ impl Camera {
         let on_lens = opening.at(lens);
         let to_point = at - self.origin - on_lens;
         let along = self.normal.dot(to_point);
-        if along <= 0.0 {
+        if along <= self.near {
             return None;
         }
         // Where the ray from the lens to the point meets the plane in focus, from the middle of the lens.
@@ -157,7 +179,7 @@ impl Camera {
         let per_solid_angle = distance2 / (area * cos);
         Some(Seen {
             pixel: 0.5 * (Vec2::ONE - across) * self.size,
-            lens: self.origin + on_lens,
+            lens: self.origin + on_lens + to_point * (self.near / along),
             importance: per_solid_angle / to_point.length_squared(),
         })
     }
@@ -167,7 +189,7 @@ impl Camera {
     pub fn cone(&self) -> Cone {
         let side = self.pixel_area.sqrt();
         match self.opening {
-            Opening::Lens(_) => Cone { width: 0.0, spread: side / self.depth },
+            Opening::Lens(_) => Cone { width: self.near * side / self.depth, spread: side / self.depth },
             Opening::Parallel => Cone { width: side, spread: 0.0 },
             Opening::Wall(relay) => relay.cone(),
         }
@@ -183,9 +205,11 @@ impl Camera {
         let across = Vec2::new(local.x, local.y);
         // A surface's area, seen along the rays, is as large as its shadow on a plane across them.
         let cos = self.depth / self.axes.z_axis.length();
-        (local.z > 0.0).then(|| Seen {
+        let axis = self.axes.z_axis;
+        let near = self.near / self.depth;
+        (local.z > near).then(|| Seen {
             pixel: 0.5 * (Vec2::ONE - across) * self.size,
-            lens: self.origin + self.axes * across.extend(0.0),
+            lens: self.origin + self.axes * across.extend(0.0) + axis * near,
             importance: 1.0 / (self.pixel_area * cos),
         })
     }

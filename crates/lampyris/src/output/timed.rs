@@ -71,6 +71,14 @@ fn encoded(
     Ok((encode_values(&light), encode_sidecar(&light, layering)?))
 }
 
+/// The same with how a wall was captured, if it is one.
+fn captured(light: Transient, capture: Option<&Capture>) -> Result<Transient> {
+    match capture {
+        Some(capture) => light.with_capture(capture.clone()),
+        None => Ok(light),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,13 +118,5 @@ mod tests {
             let error = read(Some("volume")).expect_err("not kept").to_string();
             assert!(error.contains("no layer 'volume'") && error.contains("direct, caustic"), "{error}");
         }
-    }
-}
-
-/// The same with how a wall was captured, if it is one.
-fn captured(light: Transient, capture: Option<&Capture>) -> Result<Transient> {
-    match capture {
-        Some(capture) => light.with_capture(capture.clone()),
-        None => Ok(light),
     }
 }

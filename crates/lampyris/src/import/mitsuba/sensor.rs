@@ -52,6 +52,13 @@ impl<'a> Importer<'a> {
             }
         };
         self.exterior(query)?;
+        let camera = match query.optional_float("near_clip")? {
+            // Where the way of light begins there; else it hides nothing that people would want hidden.
+            Some(near) if known && self.description().film.time.is_some() => {
+                CameraDescription { near_distance: near as f32, ..camera }
+            }
+            _ => camera,
+        };
         query.ignore(&["near_clip", "far_clip", "shutter_open", "shutter_close", "srf", "focus_distance"]);
         let names = [("fov", "fov"), ("aperture-radius", "aperture_radius"), ("focus-distance", "focus_distance")];
         self.note_all("camera", query, &names);

@@ -53,7 +53,8 @@ fn placed(camera: &CameraDescription, size: [u32; 2]) -> Result<Camera> {
         Projection::Perspective => Camera::new(origin, axes, size, radius, focus),
         Projection::Orthographic => Camera::orthographic(origin, axes, size),
     };
-    built.ok_or_else(|| {
+    let near = check::at_least_zero("near-distance", camera.near_distance)?;
+    built.map(|camera| camera.from_plane(near)).ok_or_else(|| {
         Error::at_key(
             "up",
             "the camera's axes lie in one plane: left, up and forward must point in different directions",

@@ -48,6 +48,10 @@ pub struct CameraDescription {
     pub aperture_radius: f32,
     /// Distance, along the viewing direction, of the plane in focus; of `target` by default.
     pub focus_distance: Option<f32>,
+    /// Distance, along the viewing direction, of a plane before which nothing is seen, and from which on the way to the camera
+    /// counts as time (default 0).
+    #[serde(default)]
+    pub near_distance: f32,
 }
 
 /// A relay wall, lit by a laser and looked at by a sensor. The pixels are points of the wall in the middles of the cells of

@@ -188,12 +188,11 @@ fn camera(camera: &CameraDescription) -> Result<()> {
     }
     camera.fov.map_or(Ok(()), |fov| between("camera.fov", fov, 0.0, 180.0))?;
     camera.focus_distance.map_or(Ok(()), |distance| positive("camera.focus-distance", distance))?;
-    let radius = camera.aperture_radius;
-    if !(radius.is_finite() && radius >= 0.0) {
-        return Err(Error::at_key(
-            "camera.aperture-radius",
-            format!("'aperture-radius' must be at least 0, not {radius}"),
-        ));
+    for (name, length) in [("aperture-radius", camera.aperture_radius), ("near-distance", camera.near_distance)] {
+        if !(length.is_finite() && length >= 0.0) {
+            let message = format!("'{name}' must be at least 0, not {length}");
+            return Err(Error::at_key(format!("camera.{name}"), message));
+        }
     }
     Ok(())
 }
@@ -358,6 +357,11 @@ mod tests {
             &seen(|c| c.focus_distance = Some(0.0)),
             "camera.focus-distance",
             "'focus-distance' must be greater than 0 and finite, not 0",
+        );
+        fails(
+            &seen(|c| c.near_distance = f32::INFINITY),
+            "camera.near-distance",
+            "'near-distance' must be at least 0, not inf",
         );
         fails(
             &seen(|c| c.aperture_radius = -1.0),

@@ -46,6 +46,16 @@ fn their_defaults_are_those_of_mitransient() {
     assert_eq!((time.unwarp, description.integrator.max_bounces()), (Unwarp::None, 5));
 }
 
+/// Theirs begin to count at the near plane, and hide what lies before it.
+#[test]
+fn the_near_plane_matters_with_time_alone() {
+    let clip = "<float name=\"near_clip\" value=\"10\"/>";
+    let near =
+        |film: &str| clean(&sensor(&(clip.to_string() + film))).description.camera.expect("a camera").near_distance;
+    assert_eq!(near("<film type=\"transient_hdr_film\"/>"), 10.0);
+    assert_eq!(near("<film type=\"hdrfilm\"/>"), 0.0);
+}
+
 #[test]
 fn an_ordinary_film_has_no_time_whatever_the_integrator_says() {
     let text = "<integrator type=\"transient_path\"><boolean name=\"camera_unwarp\" value=\"true\"/></integrator>";
