@@ -44,7 +44,12 @@ impl Span {
         let a = rise * rise - cos2;
         let b = height * rise - cos2 * offset.dot(direction);
         let c = height * height - cos2 * offset.length_squared();
-        let root = (b * b - a * c).max(0.0).sqrt();
+        let discriminant = b * b - a * c;
+        if discriminant < 0.0 {
+            // It meets the edge nowhere, and so it would have to lie inside from end to end: no line does.
+            return if a < 0.0 { None } else { Some(self) };
+        }
+        let root = discriminant.sqrt();
         // Without cancellation; a ray along the edge has one end.
         let q = -(b + root.copysign(b));
         let (first, second) = (q / a, if q == 0.0 { 0.0 } else { c / q });

@@ -158,7 +158,7 @@ fn an_unknown_type_proposes_the_near_one() {
 fn an_unknown_type_far_from_all_lists_them() {
     fails(
         "[[lights]]\ntype = 'zzz'\n",
-        "s.toml:2:8: unknown light type 'zzz'; the types are point, spot, directional, constant, environment, sky, projector and beam",
+        "s.toml:2:8: unknown light type 'zzz'; the types are point, spot, directional, constant, environment, sky, projector, beam and laser",
     );
 }
 
