@@ -34,7 +34,7 @@ impl Fading {
 /// says what is seen; what was estimated of a cloud says what scatters there.
 #[derive(Clone, Debug)]
 pub struct Depth {
-    /// Between the ends, each with the sum of the weights up to there; falling in each at this rate in some lane.
+    /// In even fog one for each lane, all between the same ends; in a cloud one after the other.
     pieces: Vec<Piece>,
 }
 
@@ -44,6 +44,7 @@ struct Piece {
     to: f32,
     /// Of a density that falls by e^(−rate t).
     rate: f32,
+    /// The share of the whole that it has.
     weight: f32,
 }
 
