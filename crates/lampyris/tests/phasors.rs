@@ -4,39 +4,29 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Lit, lit};
-use lampyris::film::{Film, Layers};
+use common::lit;
+use common::time::{POINT_OVER_FLOOR, film};
+use lampyris::film::Layers;
 use lampyris::image::luminance;
 use lampyris::integrator::Silent;
 use lampyris::render::Render;
 use lampyris::transient::{LightKind, TimeLayer};
 
-fn film(lit: &Lit, passes: u32) -> Film {
-    let mut render = Render::with_layers(&lit.scene, &lit.description, Layers::NONE, &Silent);
-    (0..passes).for_each(|_| render.step(&Silent));
-    render.film().clone()
-}
-
 /// A point light above a floor: L = (ρ/π) I cos/d² arrives at the time d + r alone, and turns the amplitude of a frequency f by
 /// 2π f (d + r - start).
 #[test]
 fn a_single_arrival_has_the_phase_of_its_time() {
-    let text = "
-        camera = { origin = [0, 2, 0], target = [1, 0, 0], up = [0, 0, 1], fov = 0.02 }
-        film = { size = [1, 1] }
-        lights = [{ type = 'point', position = [2.5, 1.25, 0], intensity = 3 }]
-        [[shapes]]
-        type = 'plane'
-        normal = [0, 1, 0]
-        distance = 0
-        material = { type = 'diffuse', reflectance = 0.7 }";
     let (to_eye, to_lamp) = (5.0_f64.sqrt(), (1.5_f64.powi(2) + 1.25_f64.powi(2)).sqrt());
     let light = 0.7 / PI * 3.0 * (1.25 / to_lamp) / to_lamp.powi(2);
     let frequencies = [0.0, 0.37, 1.0, 5.2];
     for (unwarp, at) in [("none", to_eye + to_lamp), ("first-surface", to_lamp)] {
         for way in ["path", "auto photons=100", "photon-map photons=100"] {
             let settings = "time.frequencies=0,0.37,1,5.2 time.start=0.3 time.layers=direct,indirect";
-            let film = film(&lit(text, &format!("integrator={way} time.unwarp={unwarp} {settings}")), 2);
+            let film = film(
+                &lit(POINT_OVER_FLOOR, &format!("integrator={way} time.unwarp={unwarp} {settings}")),
+                2,
+                Layers::NONE,
+            );
             let amplitudes = film.amplitudes(0, Some(TimeLayer::Kind(LightKind::Direct))).expect("kept");
             assert_eq!(amplitudes, film.amplitudes(0, None).expect("kept"), "all light is direct");
             for (frequency, [real, imaginary]) in frequencies.into_iter().zip(amplitudes) {
@@ -83,10 +73,10 @@ fn amplitudes_are_those_of_narrow_bins() {
     let (frequencies, width) = ([0.0, 0.5, 1.25], 0.01);
     for way in WAYS {
         let range = format!(" max-bounces=8 time.bins=6000 time.start=0 time.bin-width={width}");
-        let binned = film(&lit(ROOM, &(way.to_string() + &range)), 2);
+        let binned = film(&lit(ROOM, &(way.to_string() + &range)), 2, Layers::NONE);
         assert_eq!(binned.share_outside_bins(), Some([0.0; 2]), "{way}: all light is in the bins");
         let expected = binned.transient(None).expect("time").phasors(&frequencies).expect("finite");
-        let direct = film(&lit(ROOM, &format!("{way} max-bounces=8 time.frequencies=0,0.5,1.25")), 2);
+        let direct = film(&lit(ROOM, &format!("{way} max-bounces=8 time.frequencies=0,0.5,1.25")), 2, Layers::NONE);
         assert!(direct.image() == binned.image(), "{way}: the picture is the same");
         let found = direct.phasors(None).expect("kept");
         assert_eq!((found.values.len(), &found.frequencies), (expected.values.len(), &expected.frequencies));

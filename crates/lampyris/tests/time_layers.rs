@@ -3,11 +3,11 @@
 mod common;
 
 use common::statistics::{Sample, assert_same_mean};
+use common::time::film;
 use common::{Lit, lit};
-use lampyris::film::{Film, Layer, Layers};
+use lampyris::film::{Layer, Layers};
 use lampyris::image::luminance;
 use lampyris::integrator::{Pass, Silent, integrator};
-use lampyris::render::Render;
 use lampyris::transient::{LightKind, TimeLayer};
 
 /// A ball lamp in sight, and a floor and a wall with the caustic of a glass ball that is out of sight.
@@ -58,12 +58,6 @@ const WAYS: [&str; 5] = [
     "integrator=photon-map photons=2000 bandwidth=nearest k=20 direct=photons filter=tent",
     "integrator=light photons=2000 filter=gaussian",
 ];
-
-fn film(lit: &Lit, passes: u32, layers: Layers) -> Film {
-    let mut render = Render::with_layers(&lit.scene, &lit.description, layers, &Silent);
-    (0..passes).for_each(|_| render.step(&Silent));
-    render.film().clone()
-}
 
 #[test]
 fn layers_add_up_to_all_light_in_every_bin_and_change_none_of_it() {

@@ -4,6 +4,7 @@
 
 pub mod materials;
 pub mod statistics;
+pub mod time;
 
 use std::collections::HashMap;
 use std::path::Path;
