@@ -69,14 +69,14 @@ fn every_lamp_is_sampled_with_the_density_that_it_claims() {
             let mut bsdf = Bsdf::default();
             let point = scene.closest(&Ray { origin: at, direction }, &mut bsdf);
             let lit = point.filter(|point| !scene.emitted(point).is_zero());
-            lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, &point)))
+            lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, None, &point)))
         };
         let draws = 40_000;
         let expected: Vec<f64> = integrals(32, density).iter().map(|p| p * f64::from(draws)).collect();
         let mut observed = vec![0.0; Z * AROUND];
         let mut sampler = Sampler::new(1, 0, 0, 0);
         for _ in 0..draws {
-            let Some((_, light)) = scene.illuminate(at, &mut sampler) else { continue };
+            let Some((_, light)) = scene.illuminate(at, None, &mut sampler) else { continue };
             let (pdf, claimed) = (light.pdf.expect("a density"), density(light.to_light));
             assert!((light.irradiance * pdf).to_rgb().iter().all(|radiance| (radiance / 3.0 - 1.0).abs() < 1e-4));
             // Rays to a shape's very edge may miss it, and where they graze it a rounding is a large step.
@@ -100,7 +100,7 @@ fn lamps_of_two_sides_are_sampled_with_the_density_that_they_claim() {
             let density = |direction: Vec3| {
                 let mut bsdf = Bsdf::default();
                 let lit = scene.closest(&Ray { origin: at, direction }, &mut bsdf);
-                lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, &point)))
+                lit.map_or(0.0, |point| f64::from(scene.emitted_pdf(at, None, &point)))
             };
             let draws = 40_000;
             // Seen from inside or from beside, a closed shape has a back that the density of the front knows nothing
@@ -109,7 +109,7 @@ fn lamps_of_two_sides_are_sampled_with_the_density_that_they_claim() {
             let mut observed = vec![0.0; Z * AROUND];
             let mut sampler = Sampler::new(3, 0, 0, 0);
             for _ in 0..draws {
-                let Some((_, light)) = scene.illuminate(at, &mut sampler) else { continue };
+                let Some((_, light)) = scene.illuminate(at, None, &mut sampler) else { continue };
                 // Points behind the front do not count: a shadow ray would not reach them.
                 let seen = light.target.is_some_and(|target| !scene.surfaces().occluded(at, target));
                 if seen {
@@ -273,7 +273,7 @@ fn a_spot_sends_the_flux_that_its_intensity_promises() {
         assert_mean(&format!("ring {ring}"), flux, expected, 1e-4, 1.0);
         let angle = (2.0 * ring as f32 + 1.0).to_radians();
         let aside = Frame::around(axis).to_world(Vec3::new(angle.sin(), 0.0, angle.cos()));
-        let (_, light) = scene.illuminate(aside * 3.0, &mut Sampler::new(0, 0, 0, 0)).expect("light");
+        let (_, light) = scene.illuminate(aside * 3.0, None, &mut Sampler::new(0, 0, 0, 0)).expect("light");
         let intensity = f64::from(light.irradiance.mean()) * 9.0;
         assert!((intensity / (5.0 * falloff(2.0 * ring as f64 + 1.0)) - 1.0).abs() < 1e-3, "ring {ring}");
     }
@@ -289,7 +289,7 @@ fn shadow_rays_to_the_sky_go_in_all_directions() {
     let mut sampler = Sampler::new(6, 0, 0, 0);
     let mut observed = vec![0.0; Z * AROUND];
     for _ in 0..50_000 {
-        let (_, light) = scene.illuminate(Vec3::ZERO, &mut sampler).expect("light");
+        let (_, light) = scene.illuminate(Vec3::ZERO, None, &mut sampler).expect("light");
         assert!((light.pdf.expect("a density") * 2.0 * TAU as f32 - 1.0).abs() < 1e-5);
         observed[bin(light.to_light)] += 1.0;
     }
@@ -310,7 +310,7 @@ fn with_several_lights_each_gets_its_due() {
     let mut photons = vec![];
     for _ in 0..100_000 {
         let [red, green, _] =
-            scene.illuminate(Vec3::ZERO, &mut sampler).map_or([0.0; 3], |(_, l)| l.irradiance.to_rgb());
+            scene.illuminate(Vec3::ZERO, None, &mut sampler).map_or([0.0; 3], |(_, l)| l.irradiance.to_rgb());
         sums[0].push(f64::from(red));
         sums[1].push(f64::from(green));
         photons.push(f64::from(scene.emit(&mut sampler).expect("a photon").1.flux.mean()));

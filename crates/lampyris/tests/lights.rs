@@ -66,7 +66,7 @@ fn the_sky_is_sampled_with_the_density_that_it_claims() {
             if scene.background(direction).is_zero() {
                 0.0
             } else {
-                scene.backgrounds(&Ray { origin: Vec3::ZERO, direction }).map(|(_, pdf, _)| f64::from(pdf)).sum()
+                scene.backgrounds(&Ray { origin: Vec3::ZERO, direction }, None).map(|(_, pdf, _)| f64::from(pdf)).sum()
             }
         };
         let expected: Vec<f64> = integrals(density).iter().map(|share| share * f64::from(draws)).collect();
@@ -77,7 +77,7 @@ fn the_sky_is_sampled_with_the_density_that_it_claims() {
         let mut photons = vec![0.0; BANDS * SECTORS];
         let mut flux = Vec::new();
         for _ in 0..draws {
-            if let Some((_, light)) = scene.illuminate(Vec3::ZERO, &mut sampler) {
+            if let Some((_, light)) = scene.illuminate(Vec3::ZERO, None, &mut sampler) {
                 let pdf = light.pdf.expect("a density");
                 let (radiance, due) = ((light.irradiance * pdf).to_rgb(), scene.background(light.to_light).to_rgb());
                 // A rounding of the direction moves it by 1e-6 over a picture that changes by 10 within 1/12.
@@ -173,11 +173,11 @@ fn a_projector_throws_its_texture_without_falling_off() {
     let at = |u: f32, v: f32| Vec3::new(1.0 + 2.0 * (1.0 - 2.0 * u), 2.0 + 1.0 * (2.0 * v - 1.0), 5.0);
     for (u, v, green) in [(0.25, 0.25, 0.4), (0.75, 0.25, 0.9), (0.9, 0.9, 0.4), (0.1, 0.6, 0.9)] {
         let point = at(u, v);
-        let (_, light) = scene.illuminate(point, &mut sampler).expect("light");
+        let (_, light) = scene.illuminate(point, None, &mut sampler).expect("light");
         let irradiance = f64::from(light.irradiance.to_rgb()[1] * light.to_light.z.abs());
         assert!((irradiance - 2.0 * green / 4.0).abs() < 1e-4, "{u} {v}: {irradiance}");
     }
-    assert!(scene.illuminate(at(1.05, 0.5), &mut sampler).is_none());
+    assert!(scene.illuminate(at(1.05, 0.5), None, &mut sampler).is_none());
     // Photons: the flux on each quarter of the wall.
     let mut flux = [const { Vec::new() }; 4];
     for _ in 0..100_000 {

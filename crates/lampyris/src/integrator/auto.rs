@@ -15,11 +15,12 @@ use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::sharing::Sharing;
+use super::survey::{self, outlook, survey};
 use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
 use crate::film::{Exposure, Layers, Sink};
-use crate::light::Guide;
+use crate::light::{Guide, Outlook, Sightings};
 use crate::material::Lobes;
 use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
 use crate::sampler::Sampler;
@@ -33,6 +34,7 @@ pub struct Auto {
     settings: AutoSettings,
     pilot: Pilot,
     guide: Option<Arc<Guide>>,
+    outlook: Option<Arc<Outlook>>,
 }
 
 /// What the pilot finds: about the first pass.
@@ -54,6 +56,8 @@ struct Pilot {
     learned: Option<Learned>,
     /// How light in media is estimated, where there are any.
     volume: Option<VolumeEstimate>,
+    /// Where shadow rays are shot, if that was worth learning.
+    seen: Option<Sightings>,
 }
 
 /// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
@@ -97,7 +101,7 @@ impl Auto {
         observer: &dyn Observer,
     ) -> Auto {
         let pilot = Pilot::measure(scene, film, &settings, seed, observer);
-        Auto { settings, guide: pilot.guide(), pilot }
+        Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), pilot }
     }
 
     /// With what a pilot has found out before.
@@ -109,7 +113,7 @@ impl Auto {
         if !pilot.is_fit(scene, &settings) {
             return Err(pilot::unfit());
         }
-        Ok(Auto { settings, guide: pilot.guide(), pilot })
+        Ok(Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), pilot })
     }
 
     /// How paths merge with the photons of a pass.
@@ -162,8 +166,10 @@ impl Pilot {
         let (further, counts) = (pilot::fallback(scene), [0.0; 2]);
         let paths = settings.photons.map_or(by_pixels, u64::from);
         let learned = settings.guiding.then(|| Learned::nothing(scene));
+        let seen = settings.guiding.then(|| survey(scene, film, settings.max_bounces, seed, observer)).flatten();
         let mut pilot =
-            Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned, volume: None };
+            Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned, volume: None, seen };
+        let scene = &*survey::with(scene, &pilot.outlook(scene));
         let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
         for round in 0..=rounds {
             let pass = Pass { index: pilot::PASS - round, seed };
@@ -279,10 +285,15 @@ impl Pilot {
             && (0.0..=1.0).contains(&self.useful)
             && self.volume.is_none_or(|volume| volume.is_fit())
             && learned.is_none_or(|learned| settings.guiding && learned.is_fit(scene))
+            && self.seen.as_ref().is_none_or(|seen| settings.guiding && seen.is_fit(&scene.parts_of_lights()))
     }
 
     fn guide(&self) -> Option<Arc<Guide>> {
         self.learned.as_ref().map(|learned| Arc::new(learned.guide()))
+    }
+
+    fn outlook(&self, scene: &Scene) -> Option<Arc<Outlook>> {
+        self.seen.as_ref().and_then(|seen| outlook(scene, seen))
     }
 
     /// With radii that have shrunk to this share.
@@ -352,6 +363,7 @@ impl Integrator for Auto {
         layers: Layers,
         observer: &dyn Observer,
     ) -> Exposure {
+        let scene = &*survey::with(scene, &self.outlook);
         let scene = &*guided(scene, &self.guide);
         let (merging, max_bounces) = (self.merging(pass), self.settings.max_bounces);
         let maps = photon_maps(scene, &merging, self.pilot.volume, max_bounces, pass, observer);

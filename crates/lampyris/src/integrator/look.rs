@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::sharing::Sharing;
 use super::volume::gather;
 use crate::film::Sink;
-use crate::light::{Illumination, LightId};
+use crate::light::{Illumination, LightId, Vista};
 use crate::material::{Event, Lobes, Scattered};
 use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
@@ -27,13 +27,25 @@ pub(super) struct Look<'a, S, const MERGES: bool> {
     scene: &'a Scene,
     max_bounces: u32,
     sink: &'a mut S,
-    /// Where and with which density the last smooth event chose its direction; none after a delta event.
-    last: Option<(Vec3, f32)>,
+    /// The last smooth event; none after a delta event.
+    last: Option<Last<'a>>,
+    /// What is likely to be seen of the lights from the last surface.
+    vista: Option<Vista<'a>>,
     /// Smooth events so far.
     smooth_events: u32,
     merge: Option<Merge<'a>>,
     /// Photons in media, and what part of the light straight from lamps is left to them.
     volume: Option<(&'a VolumeMap, Sharing)>,
+}
+
+/// A smooth event of a path.
+#[derive(Clone, Copy)]
+struct Last<'a> {
+    from: Vec3,
+    /// Of the direction that it chose, per solid angle.
+    pdf: f32,
+    /// Where shadow rays are shot from there.
+    vista: Option<Vista<'a>>,
 }
 
 /// How paths from the camera are merged with the photons of a pass.
@@ -203,7 +215,7 @@ fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; 
 
 impl<'a, S> Look<'a, S, false> {
     pub(super) fn alone(scene: &'a Scene, max_bounces: u32, sink: &'a mut S) -> Look<'a, S, false> {
-        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge: None, volume: None }
+        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, merge: None, volume: None }
     }
 }
 
@@ -215,18 +227,18 @@ impl<'a, S> Look<'a, S, true> {
         merge: Merge<'a>,
         volume: Option<(&'a VolumeMap, Sharing)>,
     ) -> Look<'a, S, true> {
-        Look { scene, max_bounces, sink, last: None, smooth_events: 0, merge: Some(merge), volume }
+        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, merge: Some(merge), volume }
     }
 }
 
 impl<S, const MERGES: bool> Look<'_, S, MERGES> {
     /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
     /// where shadow rays and photons have these.
-    fn met(&self, of_shadow_rays: impl FnOnce(Vec3) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
+    fn met(&self, of_shadow_rays: impl FnOnce(&Last) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
         match &self.merge {
-            None => self.last.map_or(1.0, |(from, pdf)| mis_weight(pdf, of_shadow_rays(from))),
+            None => self.last.map_or(1.0, |last| mis_weight(last.pdf, of_shadow_rays(&last))),
             Some(merge) => {
-                let shadow_rays = self.last.map_or(0.0, |(from, pdf)| squared(of_shadow_rays(from) / pdf));
+                let shadow_rays = self.last.map_or(0.0, |last| squared(of_shadow_rays(&last) / last.pdf));
                 1.0 / (1.0 + shadow_rays + squared(merge.rivals_of_lamps.at_lamp(of_photons)))
             }
         }
@@ -266,10 +278,14 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
         self.sink.surface(point, path);
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
-            let weight = self.met(|from| self.scene.emitted_pdf(from, point), || self.scene.emission_density(point));
+            let weight = self.met(
+                |last| self.scene.emitted_pdf(last.from, last.vista, point),
+                || self.scene.emission_density(point),
+            );
             self.add(path.throughput * emitted * weight, path, path.optical_length);
         }
         if path.bounce < self.max_bounces {
+            self.vista = self.scene.vista(&point.surface);
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
             let weight = |light: LightId, illumination: &Illumination| {
                 let to_light = illumination.to_light;
@@ -290,7 +306,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
                     }
                 }
             };
-            let (light, distance) = direct_light(self.scene, point, path, sampler, weight);
+            let (light, distance) = direct_light(self.scene, point, self.vista, path, sampler, weight);
             let optical_length = path.optical_length + f64::from(path.slowness * distance);
             self.sink.add(path.throughput * light, path.met(1), optical_length);
             if let Some(merge) = &mut self.merge
@@ -327,14 +343,15 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
     }
 
     fn scattered_by_particle(&mut self, to_next: Vec3, point: &MediumPoint, _: &PathState) {
-        self.last = Some((point.position, point.value(to_next)));
+        self.last = Some(Last { from: point.position, pdf: point.value(to_next), vista: None });
         self.smooth_events += 1;
     }
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
-        self.last = smooth.then_some((point.surface.position, on * scattered.pdf));
+        let last = Last { from: point.surface.position, pdf: on * scattered.pdf, vista: self.vista };
+        self.last = smooth.then_some(last);
         self.smooth_events += u32::from(smooth);
     }
 
@@ -342,7 +359,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
         // Each light by its own density: a shadow ray to one of them brings the light of that one alone.
         let lights = self
             .scene
-            .backgrounds(&path.ray)
+            .backgrounds(&path.ray, self.last.and_then(|last| last.vista))
             .map(|(radiance, of_shadow_rays, of_photons)| radiance * self.met(|_| of_shadow_rays, of_photons));
         let radiance = lights.fold(Spectrum::ZERO, |sum, radiance| sum + radiance);
         let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);

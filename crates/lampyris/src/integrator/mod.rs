@@ -12,6 +12,7 @@ mod photons;
 mod pilot;
 mod range;
 mod sharing;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod volume;
@@ -79,7 +80,9 @@ pub fn integrator(
         IntegratorDescription::PhotonMap(settings) => {
             Box::new(PhotonMapping::new(scene, film, settings.clone(), seed, observer))
         }
-        IntegratorDescription::Path(settings) => Box::new(PathTracing { settings: settings.clone() }),
+        IntegratorDescription::Path(settings) => {
+            Box::new(PathTracing::new(scene, film, settings.clone(), seed, observer))
+        }
         IntegratorDescription::Light(settings) => Box::new(LightTracing { settings: settings.clone() }),
     }
 }
@@ -94,7 +97,7 @@ pub fn resumed(scene: &Scene, description: &IntegratorDescription, pilot: &[u8])
         IntegratorDescription::PhotonMap(settings) => {
             Box::new(PhotonMapping::resumed(settings.clone(), pilot::read(pilot)?)?)
         }
-        IntegratorDescription::Path(settings) => Box::new(PathTracing { settings: settings.clone() }),
+        IntegratorDescription::Path(settings) => Box::new(PathTracing::resumed(scene, settings.clone(), pilot)?),
         IntegratorDescription::Light(settings) => Box::new(LightTracing { settings: settings.clone() }),
     })
 }

@@ -1,9 +1,16 @@
 //! Path tracing with next-event estimation and multiple importance sampling: the reference (theory §4.4).
 
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
 use super::blocks::{Eye, camera_pass};
 use super::look::Look;
-use super::{Integrator, Observer, Pass, Phase};
+use super::survey::{self, outlook, survey};
+use super::{Integrator, Observer, Pass, Phase, pilot};
+use crate::error::Result;
 use crate::film::{Exposure, Layers, Sink};
+use crate::light::{Outlook, Sightings};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, PathSettings};
@@ -12,8 +19,41 @@ use crate::transport::{Limits, Origin, PathState, walk};
 /// See the module.
 #[derive(Clone, Debug)]
 pub struct PathTracing {
-    /// How many samples, how long paths.
-    pub settings: PathSettings,
+    settings: PathSettings,
+    pilot: Pilot,
+    outlook: Option<Arc<Outlook>>,
+}
+
+/// What is measured before the first pass.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Pilot {
+    /// Where shadow rays are shot, if that was worth learning.
+    seen: Option<Sightings>,
+}
+
+impl PathTracing {
+    /// With these settings: how many samples, how long paths; and what a pilot learns of the lights.
+    pub fn new(
+        scene: &Scene,
+        film: &FilmDescription,
+        settings: PathSettings,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> PathTracing {
+        let learned = settings.guiding.then(|| survey(scene, film, settings.max_bounces, seed, observer));
+        let pilot = Pilot { seen: learned.flatten() };
+        PathTracing { settings, outlook: pilot.seen.as_ref().and_then(|seen| outlook(scene, seen)), pilot }
+    }
+
+    /// With what a pilot has learned before.
+    ///
+    /// # Errors
+    /// If it is no such thing, or not about such a scene.
+    pub(super) fn resumed(scene: &Scene, settings: PathSettings, pilot: &[u8]) -> Result<PathTracing> {
+        let pilot: Pilot = pilot::read(pilot)?;
+        let outlook = pilot.seen.as_ref().map(|seen| outlook(scene, seen).ok_or_else(pilot::unfit)).transpose()?;
+        Ok(PathTracing { settings, pilot, outlook })
+    }
 }
 
 /// Paths from the camera always make this many scattering events, unless something absorbs them; then roulette begins.
@@ -29,12 +69,17 @@ impl Integrator for PathTracing {
         observer: &dyn Observer,
     ) -> Exposure {
         observer.phase(Phase::Camera);
+        let scene = &*survey::with(scene, &self.outlook);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits })
     }
 
     fn name(&self) -> &'static str {
         "path"
+    }
+
+    fn pilot(&self) -> Vec<u8> {
+        pilot::write(&self.pilot)
     }
 }
 

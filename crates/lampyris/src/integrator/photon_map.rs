@@ -203,7 +203,8 @@ impl<S: Sink> Visitor for Gather<'_, S> {
         self.sink.add(path.throughput * self.scene.emitted(point), path.met(0), path.optical_length);
         if path.bounce < self.max_bounces && point.bsdf.lobes().meets(Lobes::SMOOTH) {
             if self.direct == Direct::NextEvent {
-                let (light, distance) = direct_light(self.scene, point, path, sampler, |_, _| 1.0);
+                let (light, distance) =
+                    direct_light(self.scene, point, self.scene.vista(&point.surface), path, sampler, |_, _| 1.0);
                 let optical_length = path.optical_length + f64::from(path.slowness * distance);
                 self.sink.add(path.throughput * light, path.met(1), optical_length);
             }

@@ -2,11 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{Far, World};
 use crate::math::warp;
-use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
 /// The same radiance from everywhere infinitely far away.
@@ -22,8 +21,12 @@ pub struct Constant {
 const PDF: f32 = 1.0 / (4.0 * PI);
 
 impl Far for Constant {
-    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
-        Some((warp::sphere(sampler.square()), self.radiance, PDF))
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Spectrum, f32)> {
+        Some((warp::sphere(u), self.radiance, PDF))
+    }
+
+    fn unsample(&self, toward: Vec3) -> Option<Vec2> {
+        Some(warp::sphere_inverse(toward))
     }
 
     fn world(&self) -> &World {

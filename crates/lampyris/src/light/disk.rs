@@ -2,11 +2,10 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{Far, World};
 use crate::math::{Frame, warp};
-use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
 /// The same radiance from all directions within a cone, infinitely far away.
@@ -35,8 +34,8 @@ impl SkyDisk {
 }
 
 impl Far for SkyDisk {
-    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
-        let toward = self.toward.to_world(warp::cap(sampler.square(), self.height));
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Spectrum, f32)> {
+        let toward = self.toward.to_world(warp::cap(u, self.height));
         Some((toward, self.radiance, 1.0 / self.solid_angle()))
     }
 

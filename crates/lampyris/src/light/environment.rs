@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use super::{Far, World};
 use crate::image::Image;
 use crate::math::Grid;
-use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
 
 /// How a picture covers all directions. Points of the picture are in 0..1, (0, 0) at its top left corner; directions in
@@ -210,11 +209,15 @@ impl Mapping {
 }
 
 impl Far for Environment {
-    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)> {
-        let (at, pdf) = self.grid.sample(sampler.square());
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Spectrum, f32)> {
+        let (at, pdf) = self.grid.sample(u);
         let (radiance, solid_angle) = (self.at(at), self.mapping.solid_angle(at));
         let lit = !radiance.is_zero() && solid_angle > 0.0;
         lit.then(|| (self.to_world * self.mapping.direction(at), radiance, pdf / solid_angle))
+    }
+
+    fn unsample(&self, toward: Vec3) -> Option<Vec2> {
+        Some(self.grid.unsample(self.point(toward)))
     }
 
     fn world(&self) -> &World {

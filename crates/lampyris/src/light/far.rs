@@ -1,6 +1,6 @@
 //! What lights that are infinitely far away have in common.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{Aim, Emission, Emit, Illumination, Section, Source, Start, World, aim};
 use crate::geometry::{Ray, Surfaces};
@@ -13,11 +13,17 @@ pub trait Far {
     /// Radiance that arrives from there, in W/(m² sr).
     fn radiance(&self, toward: Vec3) -> Spectrum;
 
-    /// A direction (world) with its radiance and density per solid angle; none where it is dark.
-    fn sample(&self, sampler: &mut Sampler) -> Option<(Vec3, Spectrum, f32)>;
+    /// The direction (world) of a point of the unit square with its radiance and density per solid angle; none where it is
+    /// dark.
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Spectrum, f32)>;
 
-    /// Density of [`Far::sample`] per solid angle.
+    /// Density of [`Far::sample`] per solid angle, for even points.
     fn pdf(&self, toward: Vec3) -> f32;
+
+    /// The point from which [`Far::sample`] makes this direction, for lights so large that they can be seen in part.
+    fn unsample(&self, _toward: Vec3) -> Option<Vec2> {
+        None
+    }
 
     /// What the photons must cover.
     fn world(&self) -> &World;
@@ -32,10 +38,7 @@ impl<F: Far> Emit for F {
     }
 
     fn illuminate(&self, _: &Surfaces, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        let (to_light, radiance, pdf) = self.sample(sampler)?;
-        let emission = self.world().density_at(at, -to_light);
-        let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
-        Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
+        illuminate_by(self, at, sampler.square())
     }
 
     fn aim(&self) -> Option<&dyn Aim> {
@@ -49,7 +52,7 @@ impl<F: Far> Emit for F {
 
 impl<F: Far> Aim for F {
     fn start(&self, _: &Surfaces, sampler: &mut Sampler) -> Option<Start> {
-        let (toward, _, pdf) = self.sample(sampler)?;
+        let (toward, _, pdf) = self.sample(sampler.square())?;
         Some(Start { section: self.world().rays(Frame::around(-toward)), source: Source::Far(pdf) })
     }
 
@@ -63,4 +66,13 @@ impl<F: Far> Aim for F {
     fn section(&self, ray: &Ray, _: Vec3) -> Section {
         self.world().rays(Frame::around(ray.direction))
     }
+}
+
+/// Light that arrives at `at` from the direction of a point of the unit square; none where it is dark.
+#[inline]
+pub(crate) fn illuminate_by<F: Far + ?Sized>(light: &F, at: Vec3, u: Vec2) -> Option<Illumination> {
+    let (to_light, radiance, pdf) = light.sample(u)?;
+    let emission = light.world().density_at(at, -to_light);
+    let (irradiance, pdf, normal) = (radiance / pdf, Some(pdf), Vec3::ZERO);
+    Some(Illumination { to_light, target: None, irradiance, pdf, emission, normal })
 }

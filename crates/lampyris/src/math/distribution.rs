@@ -70,6 +70,11 @@ impl Distribution {
         self.cumulative[index + 1] - self.cumulative[index]
     }
 
+    /// The inverse of [`Distribution::sample`]: what falls on `index` and is stretched to `rest`.
+    pub fn unsample(&self, index: usize, rest: f32) -> f32 {
+        (self.cumulative[index] + rest * self.probability(index)).min(ONE_MINUS_EPSILON)
+    }
+
     /// The index that `u` in 0..1 falls on, its probability, and `u` stretched to 0..1 for use in what was chosen.
     ///
     /// # Panics

@@ -36,14 +36,29 @@ impl Grid {
         (at, row_probability * probability * cells.x * cells.y)
     }
 
+    /// The inverse of [`Grid::sample`]: the point that falls on `at`.
+    pub fn unsample(&self, at: Vec2) -> Vec2 {
+        let (row, y) = cell(at.y, self.rows.len());
+        let columns = &self.columns[row];
+        let (column, x) = cell(at.x, columns.len());
+        Vec2::new(columns.unsample(column, x), self.rows.unsample(row, y))
+    }
+
     /// The density per area of the square.
     pub fn pdf(&self, at: Vec2) -> f32 {
-        let cell = |at: f32, cells: usize| ((at * cells as f32) as usize).min(cells - 1);
-        let row = cell(at.y, self.rows.len());
+        let (row, _) = cell(at.y, self.rows.len());
         let columns = &self.columns[row];
-        let probability = self.rows.probability(row) * columns.probability(cell(at.x, columns.len()));
+        let (column, _) = cell(at.x, columns.len());
+        let probability = self.rows.probability(row) * columns.probability(column);
         probability * (columns.len() * self.rows.len()) as f32
     }
+}
+
+/// In which of so many equal parts of 0..1 a number lies, and where in it, 0 to 1.
+fn cell(at: f32, cells: usize) -> (usize, f32) {
+    let at = at * cells as f32;
+    let cell = (at as usize).min(cells - 1);
+    (cell, (at - cell as f32).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -59,6 +74,8 @@ mod tests {
         for _ in 0..n {
             let (at, pdf) = grid.sample(sampler.square());
             assert_eq!(pdf, grid.pdf(at));
+            let again = grid.sample(grid.unsample(at)).0;
+            assert!((again - at).abs().max_element() < 1e-5, "{at} {again}");
             counts[(at.y * 2.0) as usize][(at.x * 3.0) as usize] += 1.0;
         }
         for (counts, weights) in counts.iter().flatten().zip(weights.iter().flatten()) {

@@ -41,6 +41,12 @@ pub fn sphere(u: Vec2) -> Vec3 {
     on_sphere(1.0 - 2.0 * u.x, TAU * u.y)
 }
 
+/// The point of the square that [`sphere`] takes to a direction.
+pub fn sphere_inverse(direction: Vec3) -> Vec2 {
+    let around = direction.y.atan2(direction.x) / TAU;
+    Vec2::new(0.5 - 0.5 * direction.z, around - around.floor())
+}
+
 /// Uniform in the cone around +z of directions with a cosine of at least `cos_max`; density [`cone_pdf`].
 pub fn cone(u: Vec2, cos_max: f32) -> Vec3 {
     cap(u, 1.0 - cos_max)

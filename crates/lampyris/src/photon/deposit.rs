@@ -67,7 +67,7 @@ impl<'s> Instead<'s> {
             From::Nowhere => (0.0, 0.0),
             From::Light(light, emission) => {
                 let cos = point.geometric_cos(point.to_previous);
-                self.scene.instead_of(*light, emission, point.surface.position, cos)
+                self.scene.instead_of(*light, emission, &point.surface, cos)
             }
             From::Surface(rivals) => (rivals.at(point), 0.0),
         };

@@ -99,6 +99,7 @@ pub fn build_observed(description: &SceneDescription, assets: &dyn Assets, obser
         basis: Basis::Rgb,
         media: None,
         guide: None,
+        outlook: None,
         spot: None,
         targets: None,
     };

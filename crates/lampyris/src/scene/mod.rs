@@ -30,7 +30,10 @@ use targets::Targets;
 use crate::camera::{Camera, Seen};
 use crate::geometry::{Bounds, Cone, Hit, Ray, Surface, Surfaces};
 use crate::image::displayable;
-use crate::light::{Emission, Far, Guide, Illumination, Leaving, Light, LightId, Source, Span, World};
+use crate::light::{
+    Emission, Far, Guide, Illumination, Leaving, Light, LightId, Outlook, Parts, Sightings, Source, Span, Vista, World,
+    illuminate_by,
+};
 use crate::material::{Bsdf, MaterialId, Materials, Slopes};
 use crate::math::{Distribution, Frame, warp};
 use crate::medium::Interior;
@@ -58,6 +61,8 @@ pub struct Scene {
     media: Option<Arc<Media>>,
     /// Where photons leave for.
     guide: Option<Arc<Guide>>,
+    /// What shadow rays are shot at.
+    outlook: Option<Arc<Outlook>>,
     /// What a laser lights.
     spot: Option<Spot>,
     /// What paths that leave a relay wall are aimed at.
@@ -97,6 +102,7 @@ pub struct Lamp<'s> {
     scene: &'s Scene,
     light: LightId,
     probability: f32,
+    vista: Option<Vista<'s>>,
 }
 
 impl Lamp<'_> {
@@ -108,17 +114,24 @@ impl Lamp<'_> {
     /// Its light that arrives at `at`, in the lanes of the pass and over the probability.
     #[inline]
     pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<Illumination> {
-        let Lamp { scene, light, probability } = *self;
+        let Lamp { scene, light, probability, vista } = *self;
         if let Some(spot) = &scene.spot
             && spot.light() == light
         {
             return scene.illuminate_from(spot, probability, at);
         }
-        let illumination = scene.lights.all[light as usize].emitter().illuminate(&scene.surfaces, at, sampler)?;
+        let lamp = &scene.lights.all[light as usize];
+        let (illumination, density) = match (vista.and_then(|vista| vista.places(light)), lamp.far()) {
+            (Some(places), Some(far)) => {
+                let (place, density) = places.sample(sampler.square());
+                (illuminate_by(far, at, place)?, density * probability)
+            }
+            _ => (lamp.emitter().illuminate(&scene.surfaces, at, sampler)?, probability),
+        };
         Some(Illumination {
-            irradiance: scene.basis.lanes(illumination.irradiance / probability),
-            pdf: illumination.pdf.map(|pdf| pdf * probability),
-            emission: illumination.emission / probability,
+            irradiance: scene.basis.lanes(illumination.irradiance / density),
+            pdf: illumination.pdf.map(|pdf| pdf * density),
+            emission: illumination.emission / density,
             ..illumination
         })
     }
@@ -313,6 +326,63 @@ impl Scene {
         Scene { guide: Some(guide), ..self.clone() }
     }
 
+    /// The same scene, in which shadow rays are shot at what points are likely to see.
+    #[must_use]
+    pub fn with_outlook(&self, outlook: Arc<Outlook>) -> Scene {
+        Scene { outlook: Some(outlook), ..self.clone() }
+    }
+
+    /// The parts of its lights that points may see on their own.
+    pub fn parts_of_lights(&self) -> Parts {
+        Parts::new(&self.lights.all)
+    }
+
+    /// By what was learned, if it can have been learned of this scene.
+    pub fn outlook(&self, seen: &Sightings) -> Option<Outlook> {
+        let parts = self.parts_of_lights();
+        seen.is_fit(&parts).then(|| Outlook::new(seen, &parts, &self.lights.selection))
+    }
+
+    /// What is likely to be seen of the lights from a surface, if that is known.
+    #[inline]
+    pub fn vista(&self, surface: &Surface) -> Option<Vista<'_>> {
+        self.outlook.as_ref().map(|outlook| outlook.vista(surface.position, surface.normal))
+    }
+
+    /// How much denser shadow rays to a light in this direction are from where one sees this than where nothing is known.
+    pub fn aim_factor(&self, vista: Option<Vista>, light: LightId, toward: Vec3) -> f32 {
+        self.aimed_at(vista, light as usize, toward) / self.lights.selection.probability(light as usize)
+    }
+
+    /// How often even shadow rays are shot at each part.
+    pub fn shares_of_parts(&self, parts: &Parts) -> Vec<f32> {
+        let of_light = |light: usize| {
+            let count = parts.of(light as LightId).len();
+            std::iter::repeat_n(self.lights.selection.probability(light) / count as f32, count)
+        };
+        (0..self.lights.all.len()).flat_map(of_light).collect()
+    }
+
+    /// The place on a light that is seen in this direction, if it can be seen in part.
+    pub fn place_on(&self, light: LightId, toward: Vec3) -> Option<Vec2> {
+        self.lights.all[light as usize].far().and_then(|far| far.unsample(toward))
+    }
+
+    /// How one of the lights is chosen for next-event estimation.
+    #[inline]
+    fn selection<'s>(&'s self, vista: Option<Vista<'s>>) -> &'s Distribution {
+        vista.map_or(&self.lights.selection, |vista| vista.lights())
+    }
+
+    /// Density of a direction to a light infinitely far away, over that of shadow rays of that light alone.
+    #[inline]
+    fn aimed_at(&self, vista: Option<Vista>, light: usize, toward: Vec3) -> f32 {
+        let chosen = self.selection(vista).probability(light);
+        let light = light as LightId;
+        let Some(places) = vista.and_then(|vista| vista.places(light)) else { return chosen };
+        chosen * self.place_on(light, toward).map_or(1.0, |place| places.pdf(place))
+    }
+
     /// A photon of any light, chosen by power or by the guide, and the number of that light.
     #[inline]
     pub fn emit(&self, sampler: &mut Sampler) -> Option<(LightId, Emission)> {
@@ -368,18 +438,24 @@ impl Scene {
         powers.filter(aimed).map(|(light, power)| (light as LightId, power))
     }
 
-    /// Light that arrives at `at` from one of the lights, with its number, for next-event estimation.
+    /// Light that arrives at `at`, from where one sees this, from one of the lights, with its number, for next-event
+    /// estimation.
     #[inline]
-    pub fn illuminate(&self, at: Vec3, sampler: &mut Sampler) -> Option<(LightId, Illumination)> {
-        let lamp = self.lamp(sampler);
+    pub fn illuminate(&self, at: Vec3, vista: Option<Vista>, sampler: &mut Sampler) -> Option<(LightId, Illumination)> {
+        let lamp = self.lamp_in(vista, sampler);
         Some((lamp.light, lamp.illuminate(at, sampler)?))
     }
 
     /// One of the lights, chosen at random, for next-event estimation.
     #[inline]
     pub fn lamp(&self, sampler: &mut Sampler) -> Lamp<'_> {
-        let (light, probability, _) = self.lights.selection.sample(sampler.uniform());
-        Lamp { scene: self, light: light as LightId, probability }
+        self.lamp_in(None, sampler)
+    }
+
+    #[inline]
+    fn lamp_in<'s>(&'s self, vista: Option<Vista<'s>>, sampler: &mut Sampler) -> Lamp<'s> {
+        let (light, probability, _) = self.selection(vista).sample(sampler.uniform());
+        Lamp { scene: self, light: light as LightId, probability, vista }
     }
 
     /// Density of a photon of this light that comes this way to `at`, per area across it, over that of the shadow ray.
@@ -405,11 +481,12 @@ impl Scene {
         }
     }
 
-    /// Density per solid angle with which [`Scene::illuminate`], asked at `from`, finds this point of a light.
-    pub fn emitted_pdf(&self, from: Vec3, point: &SurfacePoint) -> f32 {
+    /// Density per solid angle with which [`Scene::illuminate`], asked at `from` where one sees this, finds this point of a
+    /// light.
+    pub fn emitted_pdf(&self, from: Vec3, vista: Option<Vista>, point: &SurfacePoint) -> f32 {
         match self.area_light(point.shape) {
             Some((light, Light::Area(area))) => {
-                self.lights.selection.probability(light) * area.pdf(&self.surfaces, from, &point.surface)
+                self.selection(vista).probability(light) * area.pdf(&self.surfaces, from, &point.surface)
             }
             _ => 0.0,
         }
@@ -429,13 +506,16 @@ impl Scene {
 
     /// How much denser other techniques are at the point that a photon meets first than the photon is there, per area: a
     /// path that meets the light by chance, over its density per solid angle; and a shadow ray.
-    pub fn instead_of(&self, light: LightId, emission: &Emission, at: Vec3, cos: f32) -> (f32, f32) {
+    pub fn instead_of(&self, light: LightId, emission: &Emission, met: &Surface, cos: f32) -> (f32, f32) {
         let photon = emission.density * cos;
-        let shadow_ray = self.lights.selection.probability(light as usize);
+        let (at, vista) = (met.position, self.vista(met));
+        let shadow_ray = self.selection(vista).probability(light as usize);
         match emission.source {
             Source::Point => (0.0, shadow_ray * at.distance_squared(emission.ray.origin) / photon),
             Source::Parallel => (0.0, shadow_ray / photon),
-            Source::Far(pdf) => (1.0 / photon, shadow_ray * pdf / photon),
+            Source::Far(pdf) => {
+                (1.0 / photon, self.aimed_at(vista, light as usize, -emission.ray.direction) * pdf / photon)
+            }
             Source::Shape(shape, surface) => {
                 let pdf = self.surfaces.pdf_from(shape, at, &surface).unwrap_or(0.0);
                 (1.0 / photon, shadow_ray * pdf / photon)
@@ -457,16 +537,20 @@ impl Scene {
     }
 
     /// Radiance that arrives along a ray that leaves the scene from each light infinitely far away, with the density per
-    /// solid angle with which [`Scene::illuminate`] finds that light in this direction, and, for those who ask, the density
-    /// with which [`Scene::emit`] comes back along the ray, per solid angle and per area across it.
-    pub fn backgrounds(&self, ray: &Ray) -> impl Iterator<Item = (Spectrum, f32, impl FnOnce() -> f32)> {
+    /// solid angle with which [`Scene::illuminate`] finds that light in this direction where one sees this, and, for those
+    /// who ask, the density with which [`Scene::emit`] comes back along the ray, per solid angle and per area across it.
+    pub fn backgrounds(
+        &self,
+        ray: &Ray,
+        vista: Option<Vista>,
+    ) -> impl Iterator<Item = (Spectrum, f32, impl FnOnce() -> f32)> {
         let (toward, back) = (ray.direction, Ray { origin: ray.origin, direction: -ray.direction });
         self.far_lights().map(move |(index, light)| {
             let pdf = light.pdf(toward);
             let emission = move || {
                 pdf * light.world().density_at(ray.origin, -toward) * self.emission_factor(index, back, Vec3::ZERO)
             };
-            (self.basis.lanes(light.radiance(toward)), self.lights.selection.probability(index) * pdf, emission)
+            (self.basis.lanes(light.radiance(toward)), self.aimed_at(vista, index, toward) * pdf, emission)
         })
     }
 

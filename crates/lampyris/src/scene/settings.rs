@@ -73,7 +73,7 @@ impl SceneDescription {
             "photon-map" => {
                 IntegratorDescription::PhotonMap(PhotonMapSettings { samples, max_bounces, ..Default::default() })
             }
-            "path" => IntegratorDescription::Path(PathSettings { samples, max_bounces }),
+            "path" => IntegratorDescription::Path(PathSettings { samples, max_bounces, ..Default::default() }),
             "light" => IntegratorDescription::Light(LightSettings { max_bounces, ..Default::default() }),
             other => {
                 let error = Error::new(format!("unknown integrator '{other}'"));
@@ -441,7 +441,10 @@ mod tests {
     fn another_integrator_keeps_the_depth_and_the_samples() {
         let mut scene = set(&[("max-bounces", "5"), ("samples", "4"), ("k", "7")]);
         scene.use_integrator("path").expect("a path tracer");
-        assert_eq!(scene.integrator, IntegratorDescription::Path(PathSettings { samples: 4, max_bounces: 5 }));
+        assert_eq!(
+            scene.integrator,
+            IntegratorDescription::Path(PathSettings { samples: 4, max_bounces: 5, ..Default::default() })
+        );
         scene.set("integrator", "light").expect("a light tracer");
         assert_eq!(scene.integrator, IntegratorDescription::Light(LightSettings { photons: None, max_bounces: 5 }));
     }

@@ -9,7 +9,7 @@ mod roulette;
 mod walk;
 
 pub use airlight::{Airlight, airlight};
-pub use direct::{direct_light, direct_light_in_medium, mis_weight};
+pub use direct::{direct_light, direct_light_in_medium, light_from, mis_weight};
 pub use media::{Crossing, MediumPoint, Segment};
 pub use path::{Origin, PathState};
 pub use rivals::{Rivals, norm, squared};

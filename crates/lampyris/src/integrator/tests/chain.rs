@@ -204,7 +204,10 @@ impl Chain {
             Lamp::Far(_) => 0.25 / PI,
             Lamp::Point(_) | Lamp::Parallel(_) => 1.0,
         };
-        self.chosen(scene).1 * density
+        let Some(vista) = scene.vista(&self.between[last - 2].surface) else { return self.chosen(scene).1 * density };
+        let place = |toward| vista.places(self.light)?.pdf(scene.place_on(self.light, toward)?).into();
+        let aimed = if let Lamp::Far(toward) = self.lamp { place(toward) } else { None };
+        f64::from(vista.lights().probability(self.light as usize) * aimed.unwrap_or(1.0)) * density
     }
 
     /// All ways to make the path, each with its density; none if there is something in its way.
@@ -354,7 +357,7 @@ impl Chain {
                 let added = self.look(scene, &map(Vec::new()), last - 1)?;
                 let direct = |point: &SurfacePoint| {
                     let (path, mut sampler) = (self.state(last - 2, last - 1, 0), self.sampler.clone());
-                    direct_light(scene, point, &path, &mut sampler, |_, _| 1.0).0
+                    direct_light(scene, point, scene.vista(&point.surface), &path, &mut sampler, |_, _| 1.0).0
                 };
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
                 (added[added.len() - 2], all)

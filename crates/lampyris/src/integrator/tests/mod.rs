@@ -17,7 +17,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::import::toml::read_str;
-use crate::light::{Focus, Guide, Lesson};
+use crate::light::{Focus, Guide, Lesson, Node, Sightings};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::{NoAssets, Scene, build};
 use crate::spectrum::Spectrum;
@@ -46,7 +46,8 @@ fn assert_weights(text: &str, walks: u64) -> Seen {
     let description = read_str("a.toml".as_ref(), &text).unwrap_or_else(|error| panic!("{error}\n{text}")).description;
     let even = build(&description, &NoAssets).expect("a scene").scene;
     let guide = Arc::new(guide(&even));
-    let scenes = [(even.guided(guide.clone()), Some(guide)), (even, None)];
+    let outlook = Arc::new(even.outlook(&sightings(&even)).expect("an outlook"));
+    let scenes = [(even.guided(guide.clone()).with_outlook(outlook), Some(guide)), (even, None)];
     let mut seen = Seen::default();
     for (scene, guide) in scenes {
         compare_all(&scene, &guide, walks, &mut seen);
@@ -63,6 +64,20 @@ fn guide(scene: &Scene) -> Guide {
         [lesson(light, Some(0), 2.0, 3), lesson(light, Some(1), 1.0, 5), lesson(light, None, 1.0, 11)]
     });
     Guide::new(&foci, 1.0, &lessons.collect::<Vec<Lesson>>())
+}
+
+/// Shoots at some lights, and parts of them, more than at others, and otherwise to the left than to the right.
+fn sightings(scene: &Scene) -> Sightings {
+    let parts = scene.parts_of_lights().len();
+    let vista = |vista: usize| (0..parts).map(|part| ((vista + 3 * part) % 7) as f32).collect();
+    let split = |side: u32| {
+        let root = Node::Split { axis: 0, at: 0.05, children: [1, 2] };
+        vec![root, Node::Vista(2 * side), Node::Vista(2 * side + 1)]
+    };
+    Sightings {
+        trees: std::array::from_fn(|side| split(side as u32)),
+        vistas: (0..2 * crate::light::SIDES).map(vista).collect(),
+    }
 }
 
 #[track_caller]

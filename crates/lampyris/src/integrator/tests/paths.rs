@@ -39,7 +39,7 @@ pub(super) fn lit_directly(scene: &Scene, eye: Vec3, walked: &[Vertex], sampler:
     let chain = |number: usize| {
         let between = extended(walked, number)?;
         let from = &between.last()?.surface;
-        let (light, choice) = scene.illuminate(from.position, &mut sampler.clone())?;
+        let (light, choice) = scene.illuminate(from.position, scene.vista(from), &mut sampler.clone())?;
         let lamp = match (&scene.lights()[light as usize], choice.to_light) {
             (Light::Point(point), _) => Lamp::Point(point.position),
             (Light::Directional(_), toward) => Lamp::Parallel(toward),

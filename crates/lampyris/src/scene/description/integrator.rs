@@ -98,7 +98,8 @@ pub struct AutoSettings {
     pub volume: Option<VolumeName>,
     /// The radius in media at the first pass, in scene units; by default it is chosen so that a typical ray finds 30 photons.
     pub volume_radius: Option<f32>,
-    /// Whether photons leave for where they count (default), or only by the power of the lights.
+    /// Whether photons leave for where they count, and shadow rays for what is likely to be seen (default), or only by the power
+    /// of the lights.
     pub guiding: bool,
     /// The longest path, counted in scattering events (default 256).
     pub max_bounces: u32,
@@ -126,13 +127,15 @@ impl Default for AutoSettings {
 pub struct PathSettings {
     /// Camera samples per pixel and pass (default 1).
     pub samples: u32,
+    /// Whether shadow rays are shot at what points are likely to see of the lights (default), or at all of them alike.
+    pub guiding: bool,
     /// The longest path, counted in scattering events (default 256).
     pub max_bounces: u32,
 }
 
 impl Default for PathSettings {
     fn default() -> PathSettings {
-        PathSettings { samples: 1, max_bounces: DEFAULT_MAX_BOUNCES }
+        PathSettings { samples: 1, guiding: true, max_bounces: DEFAULT_MAX_BOUNCES }
     }
 }
 

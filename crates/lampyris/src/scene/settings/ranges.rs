@@ -257,7 +257,7 @@ mod tests {
         );
         fails(&with(|settings| settings.samples = 0), "integrator.samples", "'samples' must be at least 1");
         fails(&with(|settings| settings.k = 0), "integrator.k", "'k' must be at least 1");
-        let path = IntegratorDescription::Path(PathSettings { samples: 0, max_bounces: 1 });
+        let path = IntegratorDescription::Path(PathSettings { samples: 0, ..Default::default() });
         let scene = SceneDescription { integrator: path, ..Default::default() };
         fails(&scene, "integrator.samples", "'samples' must be at least 1");
         let light = IntegratorDescription::Light(LightSettings { photons: Some(0), max_bounces: 1 });
