@@ -3,7 +3,7 @@
 use super::blocks::{Eye, camera_pass};
 use super::look::Look;
 use super::{Integrator, Observer, Pass, Phase};
-use crate::film::{Exposure, Layers, Sink};
+use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, PathSettings};
@@ -20,17 +20,18 @@ pub struct PathTracing {
 pub(super) const CAMERA_ROULETTE_FROM: u32 = 4;
 
 impl Integrator for PathTracing {
-    fn expose(
+    fn expose_in_parts(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits })
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits }, arrived)
     }
 
     fn name(&self) -> &'static str {
