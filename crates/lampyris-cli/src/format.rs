@@ -40,7 +40,10 @@ pub fn bytes(value: f64) -> String {
     if power == 0 {
         return format!("{value:.0} bytes");
     }
-    format!("{} {}", count(value / 1024f64.powi(power as i32)), units[power - 1])
+    let scaled = value / 1024f64.powi(power as i32);
+    // Three figures that count.
+    let decimals = if scaled >= 99.95 { 0 } else { 1 + usize::from(scaled < 9.995) };
+    format!("{scaled:.decimals$} {}", units[power - 1])
 }
 
 /// `2.1 %`, with two figures that count.

@@ -26,7 +26,8 @@ pub fn free() -> u64 {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let system = read("/proc/meminfo").and_then(|text| available_in(&text));
     // Of a container, which may have less than the machine.
-    let container = read("/sys/fs/cgroup/memory.max").and_then(|text| text.trim().parse().ok());
+    let limits = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+    let container = limits.into_iter().filter_map(|path| read(path)?.trim().parse().ok()).min();
     system.into_iter().chain(container).min().map_or(OTHERWISE, |bytes: u64| bytes / SHARE)
 }
 

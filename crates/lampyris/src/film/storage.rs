@@ -7,7 +7,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io;
+use std::io::{self, Write};
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -85,18 +85,29 @@ impl<T> Mapped<T> {
 }
 
 /// Makes an empty file as long as this, zero all over, with all the room on the disk that it takes.
-fn reserve(file: &File, bytes: u64) -> io::Result<()> {
+fn reserve(mut file: &File, bytes: u64) -> io::Result<()> {
+    // A disk without so much room says so at once, not when it is full.
     #[cfg(target_os = "linux")]
     {
         use rustix::fs::{FallocateFlags, fallocate};
         use rustix::io::Errno;
         match fallocate(file, FallocateFlags::empty(), 0, bytes) {
             // Not every file system can.
-            Err(Errno::OPNOTSUPP | Errno::NOSYS) => {}
-            done => return Ok(done?),
+            Ok(()) | Err(Errno::OPNOTSUPP | Errno::NOSYS) => {}
+            Err(error) => return Err(error.into()),
         }
     }
-    io::copy(&mut io::Read::take(io::repeat(0), bytes), &mut &*file).map(|_| ())
+    #[cfg(not(target_os = "linux"))]
+    file.set_len(bytes)?;
+    // Room that was never written to is cut into as many pieces as pages are written here and there, and pieces take long.
+    let zeros = vec![0; 1 << 20];
+    let mut left = bytes;
+    while left > 0 {
+        let some = left.min(zeros.len() as u64);
+        file.write_all(&zeros[..some as usize])?;
+        left -= some;
+    }
+    Ok(())
 }
 
 impl<T: Pod> Deref for Numbers<T> {

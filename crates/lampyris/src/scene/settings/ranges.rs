@@ -305,9 +305,9 @@ mod tests {
         timed(|_| {}).check_settings().expect("the defaults are small enough");
         fails(&timed(|time| time.bins = 0), "film.time.bins", "'bins' must be at least 1");
         fails(
-            &timed(|time| time.bins = 4096),
+            &timed(|time| time.bins = 1 << 24),
             "film.time.bins",
-            "4096 time bins of 512×512 pixels take 91.0 GiB, more than the 8 allowed",
+            "16777216 time bins of 512×512 pixels take 204.0 TiB, more than a program can have",
         );
         fails(
             &timed(|time| time.bin_width = Some(-1.0)),
