@@ -362,12 +362,15 @@ fn decode_values(bytes: &[u8], (timing, capture): Meaning) -> Result<Transient> 
     }
 }
 
+/// Writes what a file holds.
+pub(super) type Content<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
+
 /// A file within another.
 pub(super) struct Member<'a> {
     pub name: String,
     /// Bytes that it has.
     pub length: u64,
-    pub write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    pub write: Box<Content<'a>>,
 }
 
 impl Member<'_> {
