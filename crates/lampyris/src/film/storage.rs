@@ -183,7 +183,7 @@ mod tests {
             let absurd = fault(folder.path(), count);
             assert!(absurd.contains("fewer bins"), "{absurd}");
         }
-        let error = Storage::Memory.zeros::<i64>(1 << 60).err().expect("more than can be addressed").to_string();
+        let error = Storage::Memory.zeros::<i64>(1 << 60).expect_err("more than can be addressed").to_string();
         assert!(error.contains("there is no memory"), "{error}");
     }
 }
