@@ -14,7 +14,7 @@ use clap_complete::Shell;
 use lampyris::film::Layers;
 
 pub use transient::{Length, PulseShape, TransientArguments, length};
-use values::{duration, finite, layers, pair, pass_range, positive_count, preview, share, size, threads};
+use values::{duration, finite, layers, memory, pair, pass_range, positive_count, preview, share, size, threads};
 
 /// A photon-mapping renderer: caustics, colour bleeding, and a picture that converges.
 #[derive(Debug, Parser)]
@@ -151,6 +151,11 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE.film")]
     pub resume: Option<PathBuf>,
 
+    /// Memory that a film with time may take, such as 4GB; what takes more is kept in a file beside the first FILE while it is
+    /// rendered, or beside the film [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
+    pub memory: Option<u64>,
+
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -207,6 +212,11 @@ pub struct MergeArguments {
     /// Where to write the sum: .film, or a picture: .png .ppm .pfm .hdr .exr or .npy; may be repeated
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub outputs: Vec<PathBuf>,
+
+    /// Memory that a film with time may take, such as 4GB; what takes more is kept in a file beside the first FILE
+    /// [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
+    pub memory: Option<u64>,
 }
 
 /// `lampyris denoise`.

@@ -53,7 +53,7 @@ type Found = (Image, Vec<(Layer, Image)>, Vec<(&'static str, Fact)>);
 /// A film with all that it has; of a picture what is needed, and as it was before it was denoised, if it was.
 fn read(path: &Path) -> Result<Found> {
     if is_film(path) {
-        let film = films::read(path)?;
+        let film = films::read_picture(path)?;
         let (image, layers) = films::pictures(film.film());
         return Ok((image, layers, films::facts(&film)));
     }

@@ -1,5 +1,7 @@
 //! Films in files: written on the way, gone on with, merged, and made into pictures.
 
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -9,13 +11,14 @@ use lampyris::film::{Film, Layer};
 use lampyris::image::Image;
 use lampyris::output::{
     Fact, Picture, TransientFormat, check_path, check_transient_path, check_writable, is_hdf5, read_whole,
-    write_picture, write_timed, write_whole,
+    write_picture, write_timed, write_whole_by,
 };
 use lampyris::render::Render;
 use lampyris::transient::Capture;
 
 use crate::args::MergeArguments;
 use crate::format::plural;
+use crate::memory::{free, storage};
 use crate::report::{Failure, print};
 
 /// How often a film is written, unless told otherwise.
@@ -26,12 +29,35 @@ pub fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film"))
 }
 
-/// Reads a film.
+/// Reads a film, whose time bins may take so much memory; else they are kept in a file beside `beside`.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no film, of another version, or damaged.
-pub fn read(path: &Path) -> Result<Checkpoint> {
-    Checkpoint::decode(&read_whole(path)?).map_err(|error| error.with_file(path))
+/// A file that cannot be read, or that is no film, of another version, or damaged; and if there is no room for it.
+pub fn read(path: &Path, memory: u64, beside: &Path) -> Result<Checkpoint> {
+    read_by(path, |from, length| Checkpoint::read(from, length, |bytes| storage(bytes, memory, beside)))
+}
+
+/// Reads a film without its time bins.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_picture(path: &Path) -> Result<Checkpoint> {
+    read_by(path, |from, length| Checkpoint::read_picture(from, length))
+}
+
+/// Bytes that are read or written at a time.
+const BUFFER: usize = 1 << 20;
+
+fn read_by(path: &Path, read: impl FnOnce(&mut dyn Read, u64) -> Result<Checkpoint>) -> Result<Checkpoint> {
+    let fail = |error| Error::io(path, "read", &error);
+    let file = File::open(path).map_err(fail)?;
+    let there = file.metadata().map_err(fail)?;
+    if !there.is_file() {
+        // Pipes do not say how long they are.
+        return Checkpoint::decode(&read_whole(path)?).map_err(|error| error.with_file(path));
+    }
+    let mut from = BufReader::with_capacity(BUFFER, file);
+    read(&mut from, there.len()).map_err(|error| error.with_file(path))
 }
 
 /// The picture of a film, or one of its layers.
@@ -39,7 +65,7 @@ pub fn read(path: &Path) -> Result<Checkpoint> {
 /// # Errors
 /// As [`read`], or if it does not have the layer.
 pub fn read_image(path: &Path, layer: Option<&str>) -> Result<Image> {
-    let checkpoint = read(path)?;
+    let checkpoint = read_picture(path)?;
     let film = checkpoint.film();
     let Some(name) = layer else { return Ok(film.image()) };
     let layer = Layer::ALL.into_iter().find(|layer| layer.name() == name).and_then(|layer| film.layer(layer));
@@ -147,11 +173,20 @@ impl Keeper {
     /// # Errors
     /// What the operating system says.
     pub fn write(&mut self, render: &Render<'_>) -> Result<()> {
-        let written = write_whole(&self.file, &render.checkpoint(&self.identity));
+        let written = write_film(&self.file, |to| render.write_checkpoint(&self.identity, to));
         // Also after a failure: the disk may have room later, and to try after each pass would slow the render.
         self.written = Instant::now();
         written
     }
+}
+
+/// Writes a film, whole or not at all.
+fn write_film(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    write_whole_by(path, |file| {
+        let mut to = BufWriter::with_capacity(BUFFER, file);
+        write(&mut to)?;
+        to.flush()
+    })
 }
 
 /// `lampyris merge`.
@@ -165,6 +200,9 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     }
     let mut films = arguments.films.iter();
     let Some(first) = films.next() else { return Ok(()) };
+    let beside = arguments.outputs.first().unwrap_or(first);
+    let memory = arguments.memory.unwrap_or_else(free);
+    let read = |path| read(path, memory, beside);
     let mut sum = read(first)?;
     for path in films {
         sum.merge(&read(path)?).map_err(|error| {
@@ -178,8 +216,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         check_without_time(&pictures)?;
     }
     check_without_capture(&pictures)?;
-    let bytes = if kept.is_empty() { Vec::new() } else { sum.encode() };
-    kept.iter().try_for_each(|path| write_whole(path, &bytes))?;
+    kept.iter().try_for_each(|path| write_film(path, |to| sum.write(to)))?;
     if !pictures.is_empty() {
         let (image, layers) = self::pictures(sum.film());
         write_all(

@@ -33,6 +33,19 @@ pub fn time(duration: Duration) -> String {
     }
 }
 
+/// `950 bytes`, `12.3 MiB`, `1.20 GiB`.
+pub fn bytes(value: f64) -> String {
+    let units = ["KiB", "MiB", "GiB", "TiB"];
+    let power = ((value.max(1.0).log2() / 10.0) as usize).min(units.len());
+    if power == 0 {
+        return format!("{value:.0} bytes");
+    }
+    let scaled = value / 1024f64.powi(power as i32);
+    // Three figures that count.
+    let decimals = if scaled >= 99.95 { 0 } else { 1 + usize::from(scaled < 9.995) };
+    format!("{scaled:.decimals$} {}", units[power - 1])
+}
+
 /// `2.1 %`, with two figures that count.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
@@ -84,6 +97,12 @@ mod tests {
     #[test]
     fn plurals_are_english() {
         assert_eq!([plural(1, "pass"), plural(2, "pass"), plural(0, "shape")], ["1 pass", "2 passes", "0 shapes"]);
+    }
+
+    #[test]
+    fn bytes_have_the_unit_that_fits() {
+        let values = [950.0, 12.3 * 1024.0, 1.5 * 1024f64.powi(3), 2048.0 * 1024f64.powi(3)];
+        assert_eq!(values.map(bytes), ["950 bytes", "12.3 KiB", "1.50 GiB", "2.00 TiB"]);
     }
 
     #[test]

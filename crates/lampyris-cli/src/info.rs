@@ -15,7 +15,7 @@ use lampyris::spectrum::Spectrum;
 use serde_json::Value;
 
 use crate::args::SceneArguments;
-use crate::format::plural;
+use crate::format::{bytes, plural};
 use crate::report::{Failure, print};
 use crate::scene::{heed, read, ready, warnings};
 
@@ -33,6 +33,7 @@ pub fn check(arguments: &SceneArguments) -> Result<(), Failure> {
         plural(triangles(&built.scene), "triangle"),
         plural(built.scene.lights().len(), "light"),
     ];
+    summary.extend(time_bins(&imported.description));
     if !warnings.is_empty() {
         summary.push(plural(warnings.len(), "warning"));
     }
@@ -98,6 +99,9 @@ fn settings(table: &mut Table, description: &SceneDescription, scene: &Scene) {
         FilterDescription::Gaussian { stddev } => format!("Gaussian filter of standard deviation {stddev}"),
     };
     table.row("film", format!("{width} × {height} pixels, {filter}"));
+    if let Some(bins) = time_bins(description) {
+        table.row("time", bins);
+    }
     let ray = scene.camera().ray([0.5 * width as f32, 0.5 * height as f32].into(), [0.5; 2].into());
     let lens = match description.camera.as_ref().map_or(0.0, |camera| camera.aperture_radius) {
         0.0 => "pinhole".to_string(),
@@ -105,6 +109,17 @@ fn settings(table: &mut Table, description: &SceneDescription, scene: &Scene) {
     };
     let (from, along) = (vector(scene.camera().origin().to_array()), vector(ray.direction.to_array()));
     table.row("camera", format!("{lens} at {from}, looks along {along}"));
+}
+
+/// What a film with time keeps, and how many bytes that takes while it is rendered.
+fn time_bins(description: &SceneDescription) -> Option<String> {
+    let film = &description.film;
+    let time = film.time.as_ref()?;
+    let kept = match time.amplitudes() {
+        Ok(frequencies) if !frequencies.is_empty() => format!("amplitudes of {} frequencies", frequencies.len()),
+        _ => plural(time.bins as usize, "time bin"),
+    };
+    Some(format!("{kept} that take {}", bytes(time.bytes(film.size))))
 }
 
 fn shapes(table: &mut Table, description: &SceneDescription, scene: &Scene) {

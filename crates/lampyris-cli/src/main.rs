@@ -12,6 +12,7 @@ mod generate;
 mod image_commands;
 mod info;
 mod interrupt;
+mod memory;
 mod meter;
 mod photons;
 mod preview;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use lampyris::checkpoint::{Checkpoint, Identity};
 use lampyris::denoise::Denoiser;
 use lampyris::error::{Error, Result, Warning};
-use lampyris::film::{Clock, Layers, PassSet};
+use lampyris::film::{Clock, Layers, PassSet, Storage};
 use lampyris::import::Imported;
 use lampyris::integrator::Silent;
 use lampyris::output::{Fact, Format, Picture, check_writable};
@@ -20,8 +20,9 @@ use crate::args::{PreviewTarget, RenderArguments};
 use crate::budget::Budget;
 use crate::denoise::{GUIDES, denoise, denoised_by};
 use crate::films::{self, Keeper};
-use crate::format::{bias, percent, plural, time};
+use crate::format::{bias, bytes, percent, plural, time};
 use crate::interrupt::Interrupt;
+use crate::memory::{free, storage};
 use crate::meter::{Meter, Stage};
 use crate::preview::Preview;
 use crate::progress::{Display, Loading, Progress};
@@ -39,7 +40,9 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let meter = Meter::start();
     let denoiser = arguments.denoise.then(Denoiser::new).transpose()?;
     let outputs = outputs(arguments)?;
-    let begun = arguments.resume.as_deref().map(films::read).transpose()?;
+    let memory = arguments.memory.unwrap_or_else(free);
+    let begun = arguments.resume.as_deref();
+    let begun = begun.map(|path| films::read(path, memory, beside(arguments, &outputs))).transpose()?;
     let layers = layers(arguments, &outputs, begun.as_ref())?;
     let snapshots = Snapshots::new(outputs.first().map(PathBuf::as_path).filter(|_| arguments.snapshots))?;
     let mut imported = read(&arguments.scene)?;
@@ -76,12 +79,18 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         let warning = Warning::new("the film has no layers albedo and normal to denoise by");
         display.warn(&warning.with_hint("textures will be blurred; begin anew with --denoise"));
     }
-    let job = Job { arguments, imported: &imported, scene: &built.scene, outputs: &outputs, layers, meter: &meter };
+    let job =
+        Job { arguments, imported: &imported, scene: &built.scene, outputs: &outputs, layers, memory, meter: &meter };
     let stats = pool.install(|| job.run(display, &warnings, snapshots, begun, keeper, denoiser))?;
     if let Some(path) = &arguments.stats {
         stats.write(path)?;
     }
     Ok(())
+}
+
+/// Beside which file a film lies that takes too much memory.
+fn beside<'a>(arguments: &'a RenderArguments, outputs: &'a [PathBuf]) -> &'a Path {
+    kept_in(arguments).or(outputs.first().map(PathBuf::as_path)).unwrap_or(Path::new("."))
 }
 
 /// The file that keeps the film.
@@ -176,6 +185,8 @@ struct Job<'a> {
     scene: &'a Scene,
     outputs: &'a [PathBuf],
     layers: Layers,
+    /// Bytes that the film may take of memory.
+    memory: u64,
     meter: &'a Meter,
 }
 
@@ -205,10 +216,10 @@ impl Job<'_> {
         self.meter.enter(Stage::Pilot);
         let mut render = match begun {
             Some(begun) => Render::resume(self.scene, description, begun)?,
-            None => Render::with_layers(self.scene, description, self.layers, &Silent),
+            None => Render::stored(self.scene, description, self.layers, &self.storage(), &Silent)?,
         };
         if let Some(clock) = render.film().clock() {
-            progress.say(&bins(clock, &description.film));
+            progress.say(&bins(clock, &description.film, &self.storage()));
         }
         let (mut errors, before) = (ErrorCurve::default(), render.film().passes());
         // A film that is good enough already stays as it is; time is for this run alone.
@@ -256,6 +267,13 @@ impl Job<'_> {
         let (snapshots, interrupted) = (snapshots.written(), interrupt.is_raised());
         let done = Done { render: &render, errors, begun: before, snapshots, interrupted };
         Ok(Stats::of(self.arguments, description, done, self.meter, warnings))
+    }
+
+    /// Where the film's time bins are kept.
+    fn storage(&self) -> Storage {
+        let film = &self.imported.description.film;
+        let bytes = film.time.as_ref().map_or(0.0, |time| time.bytes(film.size));
+        storage(bytes as u64, self.memory, beside(self.arguments, self.outputs))
     }
 
     /// Writes the picture, denoised if that is asked for; as it is if that fails.
@@ -314,21 +332,23 @@ impl Job<'_> {
 }
 
 /// The time bins of a film, in its unit and in seconds, and what they take.
-fn bins(clock: &Clock, film: &FilmDescription) -> String {
+fn bins(clock: &Clock, film: &FilmDescription, storage: &Storage) -> String {
     let picoseconds = |length: f64| format!("{:.4} ps", length / SPEED_OF_LIGHT * 1e12);
-    let gib = film.time.as_ref().map_or(0.0, |time| time.bytes(film.size)) / f64::from(1_u32 << 30);
+    let size = bytes(film.time.as_ref().map_or(0.0, |time| time.bytes(film.size)));
     let layers = match clock.layers().count() {
         0 => String::new(),
         count => format!(", for all light and {}", plural(count, "layer")),
     };
+    let room = match storage {
+        Storage::Memory => format!("up to {size} of memory"),
+        Storage::File(folder) => format!("{size} of the disk, in '{}'", folder.display()),
+    };
     if let ([first, ..], [.., last]) = (&clock.frequencies()[..], &clock.frequencies()[..]) {
         let count = clock.frequencies().len();
-        return format!(
-            "amplitudes, frequencies from {first:.6} to {last:.6} cycles a unit ({count}){layers}, up to {gib:.2} GiB"
-        );
+        return format!("amplitudes, frequencies from {first:.6} to {last:.6} cycles a unit ({count}){layers}, {room}");
     }
     format!(
-        "{} time bins of {:.6} ({} in metres) from {:.6} ({}){layers}, up to {gib:.2} GiB",
+        "{} time bins of {:.6} ({} in metres) from {:.6} ({}){layers}, {room}",
         clock.bins(),
         clock.bin_width(),
         picoseconds(clock.bin_width()),

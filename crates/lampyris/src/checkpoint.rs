@@ -12,11 +12,13 @@
 //! | | the sums: for each of them, the higher limbs of all pixels, the lower limbs, and the numbers of the limbs |
 //! | 4 | CRC-32 of all before |
 
+use std::io::{self, Read, Write};
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::film::{Film, FilmShape, Layers, PassSet};
+use crate::film::{Film, FilmShape, Layers, PassSet, Storage};
 use crate::scene::{Fingerprint, SceneDescription};
 
 /// A film with all that it takes to go on, or to be merged with others of the same render.
@@ -155,30 +157,82 @@ impl Checkpoint {
 
     /// The bytes of a file.
     pub fn encode(&self) -> Vec<u8> {
-        encode(&self.identity, &self.pilot, &self.passes, &self.film)
+        let mut bytes = Vec::new();
+        // There is always room in memory.
+        let _ = self.write(&mut bytes);
+        bytes
     }
 
-    /// What [`Checkpoint::encode`] wrote.
+    /// Writes the bytes of a file, a part at a time.
+    ///
+    /// # Errors
+    /// Those of `to`.
+    pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        write(&self.identity, &self.pilot, &self.passes, &self.film, to)
+    }
+
+    /// What [`Checkpoint::encode`] made, in memory.
     ///
     /// # Errors
     /// Bytes that are no film, of another version, cut short or damaged.
-    pub fn decode(bytes: &[u8]) -> Result<Checkpoint> {
-        if !Checkpoint::is_in(bytes) {
+    pub fn decode(mut bytes: &[u8]) -> Result<Checkpoint> {
+        let length = bytes.len() as u64;
+        Checkpoint::read(&mut bytes, length, |_| Storage::Memory)
+    }
+
+    /// What [`Checkpoint::write`] wrote, in so many bytes. `storage` says where its time bins are to be, which take so many.
+    ///
+    /// # Errors
+    /// Bytes that are no film, of another version, cut short or damaged; those of `from`, and files for which there is no
+    /// room.
+    pub fn read(from: &mut dyn Read, length: u64, storage: impl FnOnce(u64) -> Storage) -> Result<Checkpoint> {
+        Checkpoint::read_shaped(from, length, |shape| storage(shape.bytes_of_bins() as u64))
+    }
+
+    /// [`Checkpoint::read`] without time bins, for those who ask for the picture alone.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_picture(from: &mut dyn Read, length: u64) -> Result<Checkpoint> {
+        Checkpoint::read_shaped(from, length, |shape| {
+            shape.drop_time();
+            Storage::Memory
+        })
+    }
+
+    /// `keep` may take from the shape what comes last.
+    fn read_shaped(
+        from: &mut dyn Read,
+        length: u64,
+        keep: impl FnOnce(&mut FilmShape) -> Storage,
+    ) -> Result<Checkpoint> {
+        let mut from = Hashed { inner: from, hash: crc32fast::Hasher::new(), left: length };
+        let mut magic = [0; MAGIC.len()];
+        let known = MAGIC.len().min(usize::try_from(length).unwrap_or(MAGIC.len()));
+        from.read_exact(&mut magic[..known]).map_err(unread)?;
+        if !Checkpoint::is_in(&magic) {
             return Err(Error::new("not a film of Lampyris").with_hint("films are what --checkpoint and merge write"));
         }
-        let Some(content) = bytes.strip_prefix(MAGIC) else {
+        if magic != *MAGIC {
             return Err(Error::new("a film of another version of Lampyris")
                 .with_hint("go on with the version that wrote it, or begin anew"));
-        };
-        let damaged = || Error::new("the film is damaged or cut short");
-        let (_, checksum) = bytes.split_last_chunk::<CHECKSUM>().ok_or_else(damaged)?;
-        let is_whole = crc32fast::hash(&bytes[..bytes.len() - CHECKSUM]) == u32::from_le_bytes(*checksum);
-        let mut rest =
-            content.get(..content.len().saturating_sub(CHECKSUM)).filter(|_| is_whole).ok_or_else(damaged)?;
-        let header: Header = serde_json::from_slice(part(&mut rest).ok_or_else(damaged)?).map_err(|_| damaged())?;
-        let pilot = part(&mut rest).ok_or_else(damaged)?.to_vec();
-        let film = Film::read_sums(&header.film, rest).ok_or_else(damaged)?;
-        if header.passes.count() != u64::from(film.passes()) {
+        }
+        let mut header: Header = serde_json::from_slice(&part(&mut from)?).map_err(|_| damaged())?;
+        let pilot = part(&mut from)?;
+        // Before any memory is taken.
+        let claimed = header.film.bytes().and_then(|bytes| u64::try_from(bytes).ok()?.checked_add(CHECKSUM as u64));
+        if claimed != Some(from.left) || header.passes.count() != u64::from(header.film.passes()) {
+            return Err(damaged());
+        }
+        let storage = keep(&mut header.film);
+        let mut film = header.film.empty(&storage)?.ok_or_else(damaged)?;
+        film.read_sums(&mut from).map_err(unread)?;
+        let left = from.left.saturating_sub(CHECKSUM as u64);
+        io::copy(&mut (&mut from).take(left), &mut io::sink()).map_err(unread)?;
+        let hash = from.hash.clone().finalize();
+        let mut checksum = [0; CHECKSUM];
+        from.read_exact(&mut checksum).map_err(unread)?;
+        if hash != u32::from_le_bytes(checksum) {
             return Err(damaged());
         }
         Ok(Checkpoint { identity: header.identity, pilot, passes: header.passes, film })
@@ -232,28 +286,81 @@ impl Checkpoint {
     }
 }
 
-/// The bytes of a file with a film that holds these passes; `pilot` is what the integrator measured.
-pub(crate) fn encode(identity: &Identity, pilot: &[u8], passes: &PassSet, film: &Film) -> Vec<u8> {
+/// Writes the bytes of a file with a film that holds these passes; `pilot` is what the integrator measured.
+pub(crate) fn write(
+    identity: &Identity,
+    pilot: &[u8],
+    passes: &PassSet,
+    film: &Film,
+    to: &mut dyn Write,
+) -> io::Result<()> {
     let header = Header { identity: identity.clone(), passes: passes.clone(), film: film.shape() };
-    // Nothing in it has no form in JSON.
-    let header = serde_json::to_vec(&header).unwrap_or_default();
-    let mut bytes = Vec::with_capacity(header.len() + pilot.len() + film.shape().bytes().unwrap_or(0) + 64);
-    bytes.extend(MAGIC);
+    let header = serde_json::to_vec(&header)?;
+    let mut to = Hashed { inner: to, hash: crc32fast::Hasher::new(), left: u64::MAX };
+    to.write_all(MAGIC)?;
     for part in [&header, pilot] {
-        bytes.extend((part.len() as u64).to_le_bytes());
-        bytes.extend(part);
+        to.write_all(&(part.len() as u64).to_le_bytes())?;
+        to.write_all(part)?;
     }
-    film.write_sums(&mut bytes);
-    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-    bytes
+    film.write_sums(&mut to)?;
+    let checksum = to.hash.finalize();
+    to.inner.write_all(&checksum.to_le_bytes())
 }
 
-/// A part with its length before it, from the beginning of `bytes`, which moves on.
-fn part<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
-    let (length, rest) = bytes.split_first_chunk::<8>()?;
-    let (part, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
-    *bytes = rest;
-    Some(part)
+/// Bytes on their way from or to a file.
+struct Hashed<I> {
+    inner: I,
+    /// Of all that have passed.
+    hash: crc32fast::Hasher,
+    /// How many are still to come.
+    left: u64,
+}
+
+impl<R: Read> Read for Hashed<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let most = bytes.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        let count = self.inner.read(&mut bytes[..most])?;
+        self.hash.update(&bytes[..count]);
+        self.left -= count as u64;
+        Ok(count)
+    }
+}
+
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.inner.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+/// A part with its length before it, which takes no more memory than there are bytes.
+fn part<R: Read>(from: &mut Hashed<R>) -> Result<Vec<u8>> {
+    let mut length = [0; 8];
+    from.read_exact(&mut length).map_err(unread)?;
+    let length = u64::from_le_bytes(length);
+    if length > from.left {
+        return Err(damaged());
+    }
+    let mut part = Vec::new();
+    from.take(length).read_to_end(&mut part).map_err(unread)?;
+    if part.len() as u64 == length { Ok(part) } else { Err(damaged()) }
+}
+
+fn damaged() -> Error {
+    Error::new("the film is damaged or cut short")
+}
+
+/// Why a film cannot be read on.
+fn unread(error: io::Error) -> Error {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => damaged(),
+        _ => Error::new(format!("the film cannot be read: {error}")),
+    }
 }
 
 #[cfg(test)]
@@ -264,7 +371,7 @@ mod tests {
     use crate::import::toml::read_str;
     use crate::scene::description::{FilmDescription, TimeDescription};
     use crate::scene::{NoAssets, NotedAssets};
-    use crate::transient::LightKind;
+    use crate::transient::{LightKind, TimeLayer};
     use proptest::prelude::*;
 
     fn identity(settings: &str) -> Identity {
@@ -284,8 +391,12 @@ mod tests {
     }
 
     fn checkpoint_of(time: TimeDescription, passes: &[u32]) -> Checkpoint {
+        checkpoint_in(&Storage::Memory, time, passes)
+    }
+
+    fn checkpoint_in(storage: &Storage, time: TimeDescription, passes: &[u32]) -> Checkpoint {
         let clock = Clock::of(&FilmDescription { time: Some(time), ..Default::default() }).expect("a clock");
-        let mut film = Film::with_layers([3, 2], Layers::ALL).with_time(clock);
+        let mut film = Film::with_layers([3, 2], Layers::ALL).with_time(clock, storage).expect("room");
         let mut held = PassSet::new();
         for &pass in passes {
             let value = (pass as f32).sin().abs();
@@ -313,6 +424,47 @@ mod tests {
         assert_eq!((&read.passes, &read.pilot), (&kept.passes, &kept.pilot));
         assert_eq!(kept.identity.difference(&read.identity), None);
         assert_eq!(read.encode(), kept.encode());
+    }
+
+    #[test]
+    fn a_film_in_a_file_is_that_in_memory() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = Storage::File(folder.path().into());
+        let time = || TimeDescription {
+            bins: 6,
+            start: Some(0.1),
+            bin_width: Some(0.7),
+            variance: true,
+            ..Default::default()
+        };
+        let (mut own, other) = (checkpoint_in(&file, time(), &[3, 4, 5]), checkpoint_in(&file, time(), &[0, 9]));
+        own.merge(&other).expect("disjoint");
+        let expected = checkpoint_of(time(), &[0, 3, 4, 5, 9]);
+        assert_eq!(own, expected);
+        let mut none = checkpoint_in(&file, time(), &[]);
+        none.merge(&own).expect("disjoint");
+        assert_eq!(none, expected, "also where nothing was");
+        let bytes = own.encode();
+        assert!(bytes == expected.encode());
+        let read = Checkpoint::read(&mut bytes.as_slice(), bytes.len() as u64, |bytes| {
+            assert_eq!(bytes, 8 * 6 * 4 * 17, "what the bins take");
+            file.clone()
+        });
+        assert_eq!(read.expect("it is whole"), expected);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 0, "no file has a name");
+    }
+
+    #[test]
+    fn a_picture_is_read_without_its_time() {
+        let kept = checkpoint(&[3, 4]);
+        let bytes = kept.encode();
+        let read = |bytes: &[u8]| Checkpoint::read_picture(&mut &*bytes, bytes.len() as u64);
+        let read_film = read(&bytes).expect("it is whole").film;
+        assert_eq!((read_film.image(), read_film.clock()), (kept.film.image(), None));
+        let mut damaged = bytes.clone();
+        let last = damaged.len() - 9;
+        damaged[last] ^= 1;
+        assert!(read(&damaged).is_err() && read(&bytes[..last]).is_err());
     }
 
     #[test]
@@ -413,12 +565,22 @@ mod tests {
         }
 
         #[test]
-        fn damage_under_a_checksum_that_fits_does_no_harm(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
-            let mut bytes = checkpoint(&[0, 1]).encode();
+        fn damage_under_a_checksum_that_fits_does_no_harm(
+            keeps_bins in any::<bool>(),
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+        ) {
+            let frequencies = || TimeDescription { frequencies: vec![0.1, 0.5], bounces: Some(1), ..Default::default() };
+            let whole = if keeps_bins { checkpoint(&[0, 1]) } else { checkpoint_of(frequencies(), &[0, 1]) };
+            let mut bytes = whole.encode();
             bytes.truncate(bytes.len() - CHECKSUM);
             changes.iter().for_each(|(at, byte)| *at.get_mut(&mut bytes) = *byte);
             if let Ok(mut read) = Checkpoint::decode(&sealed(bytes)) {
-                let _ = (read.film.image(), read.film.relative_error(), read.film.layer(crate::film::Layer::Depth));
+                let film = &read.film;
+                let _ = (film.image(), film.relative_error(), film.layer(crate::film::Layer::Depth));
+                let _ = (film.bins(0), film.outside_bins(0), film.variance_of_bins(0), film.share_outside_bins());
+                for layer in [None, Some(TimeLayer::MoreBounces), Some(TimeLayer::Kind(LightKind::Caustic))] {
+                    let _ = (film.transient(layer), film.phasors(layer));
+                }
                 let _ = read.merge(&checkpoint(&[7]));
                 let _ = read.encode();
             }

@@ -1,10 +1,11 @@
 //! A render: passes into a film, one after the other, by anyone.
 
+use std::io::{self, Write};
 use std::ops::Range;
 
 use crate::checkpoint::{self, Checkpoint, Identity};
 use crate::error::{Error, Result};
-use crate::film::{Clock, Exposure, Film, Layers, PassSet};
+use crate::film::{Arrival, Clock, Exposure, Film, Layers, PassSet, Storage};
 use crate::integrator::{Integrator, Observer, Pass, integrator, resumed, timed};
 use crate::scene::description::{AutoSettings, FilmDescription, IntegratorDescription, PathSettings};
 use crate::scene::{Scene, SceneDescription};
@@ -27,20 +28,38 @@ impl<'s> Render<'s> {
     }
 
     /// [`Render::new`], and these layers beside the picture.
+    ///
+    /// # Panics
+    /// If the film has more time bins than there can be, which descriptions of scenes that were built do not ask for.
     pub fn with_layers(
         scene: &'s Scene,
         description: &SceneDescription,
         layers: Layers,
         observer: &dyn Observer,
     ) -> Render<'s> {
+        let render = Render::stored(scene, description, layers, &Storage::Memory, observer);
+        render.unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// [`Render::with_layers`], with the film's time bins where `storage` says.
+    ///
+    /// # Errors
+    /// Files for which there is no room, and more time bins than there can be.
+    pub fn stored(
+        scene: &'s Scene,
+        description: &SceneDescription,
+        layers: Layers,
+        storage: &Storage,
+        observer: &dyn Observer,
+    ) -> Result<Render<'s>> {
         let (settings, seed) = (description.film.clone(), description.render.seed);
         let settings = timed(scene, settings, &description.integrator, seed, observer);
-        let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
         let mut film = Film::with_layers(settings.size, layers);
         if let Some(clock) = Clock::of(&settings) {
-            film = film.with_time(clock);
+            film = film.with_time(clock, storage)?;
         }
-        Render { scene, film, settings, integrator, seed, passes: PassSet::new() }
+        let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
+        Ok(Render { scene, film, settings, integrator, seed, passes: PassSet::new() })
     }
 
     /// Goes on from a checkpoint of the same scene and description: whoever calls this has
@@ -66,10 +85,13 @@ impl<'s> Render<'s> {
         Ok(Render { scene, film, settings, integrator, seed, passes })
     }
 
-    /// All that it takes to go on later, or elsewhere: the bytes of a [`Checkpoint`]. `identity` is that of the scene and
-    /// description.
-    pub fn checkpoint(&self, identity: &Identity) -> Vec<u8> {
-        checkpoint::encode(identity, &self.integrator.pilot(), &self.passes, &self.film)
+    /// Writes all that it takes to go on later, or elsewhere: the bytes of a [`Checkpoint`]. `identity` is that of the scene
+    /// and description.
+    ///
+    /// # Errors
+    /// Those of `to`.
+    pub fn write_checkpoint(&self, identity: &Identity, to: &mut dyn Write) -> io::Result<()> {
+        checkpoint::write(identity, &self.integrator.pilot(), &self.passes, &self.film, to)
     }
 
     /// Renders the first pass that is not there yet, on the current `rayon` pool.
@@ -85,7 +107,9 @@ impl<'s> Render<'s> {
         let pass = Pass { index, seed: self.seed };
         let layers = self.film.layers();
         let scene = self.scene.of_pass(pass.seed, pass.index);
-        let exposure = self.integrator.expose(&scene, &self.settings, &pass, layers, observer);
+        let film = &mut self.film;
+        let mut arrived = |arrivals: &[Arrival]| film.add_arrivals(arrivals);
+        let exposure = self.integrator.expose_in_parts(&scene, &self.settings, &pass, layers, observer, &mut arrived);
         let area = self.integrator.area(&pass).map(|area| (index, area));
         self.film.add_pass(&Exposure { area, ..exposure });
         self.passes.insert(index);

@@ -53,6 +53,15 @@ fn a_render_takes_all_of_its_options() {
 }
 
 #[test]
+fn memory_has_units() {
+    let memory = |text: &str| render(&format!("--memory {text}")).memory;
+    assert_eq!(["0", "1.5GB", "2MiB", "3kb"].map(memory), [0, 1_500_000_000, 2 << 20, 3000].map(Some));
+    for text in ["4", "-1GB", "GB", "nanGB", "4GX", "1e400GB x"] {
+        assert!(Arguments::try_parse_from(["lampyris", "render", "s.toml", "--memory", text]).is_err(), "{text}");
+    }
+}
+
+#[test]
 fn a_render_needs_only_a_scene() {
     let plain = render("");
     assert!(plain.outputs.is_empty() && plain.passes.is_none() && plain.size.is_none() && !plain.work.quiet);

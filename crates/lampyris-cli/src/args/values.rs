@@ -66,6 +66,30 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// So many bytes, with a unit of 1000 or of 1024.
+pub(super) fn memory(text: &str) -> Result<u64, String> {
+    let form = || "memory is a number and a unit, such as 500MB, 4GB or 4GiB, or 0".to_string();
+    let text = text.trim();
+    let unit_at = text.trim_end_matches(|c: char| c.is_ascii_alphabetic()).len();
+    let (number, unit) = text.split_at(unit_at);
+    let number: f64 = number.trim().parse().map_err(|_| form())?;
+    let bytes: f64 = match unit.to_ascii_lowercase().as_str() {
+        "" if number == 0.0 => 0.0,
+        "b" => 1.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "tb" => 1e12,
+        "kib" => 1024.0,
+        "mib" => 1024f64.powi(2),
+        "gib" => 1024f64.powi(3),
+        "tib" => 1024f64.powi(4),
+        _ => return Err(form()),
+    };
+    // More than there can be is as much as there is.
+    if number >= 0.0 { Ok((number * bytes) as u64) } else { Err(form()) }
+}
+
 /// A share greater than 0, such as `1%` or `0.01`.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {

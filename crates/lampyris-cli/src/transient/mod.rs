@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use lampyris::error::{Error, Result};
 use lampyris::image::{Image, luminance};
 use lampyris::output::{
-    Format, VideoFormat, check_path, check_pixel, check_transient_path, check_writable, encode_video, is_hdf5, map_csv,
-    profile_csv, profile_svg, read_transient, sidecar_path, write_image, write_phasors, write_tal, write_transient,
-    write_whole,
+    Format, VideoFormat, check_frame_rate, check_path, check_pixel, check_transient_path, check_writable, encode_video,
+    is_hdf5, map_csv, profile_csv, profile_svg, read_transient, sidecar_path, write_image, write_phasors, write_tal,
+    write_transient, write_whole,
 };
 use lampyris::transient::{Axis, SPEED_OF_LIGHT, TimeOfFlight, Timing, Transient};
 
-use crate::args::TransientArguments;
+use crate::args::{Length, TransientArguments};
 use crate::progress::Display;
 use crate::report::{print, say};
 use film::Look;
@@ -50,13 +50,12 @@ pub fn run(arguments: &TransientArguments) -> Result<()> {
     let outputs: Vec<(&PathBuf, Output)> =
         arguments.outputs.iter().map(|path| Ok((path, output(path, arguments)?))).collect::<Result<_>>()?;
     let look = Look::of(arguments)?;
+    check_frame_rate(arguments.fps.into())?;
     for &(path, output) in &outputs {
         check(path, output)?;
     }
     let transient = sensor::sensed(read(arguments)?, arguments)?;
-    if let Some((x, y)) = arguments.pixel {
-        check_pixel(&transient, x, y)?;
-    }
+    check_options(&transient, arguments)?;
     let display = Display::new(arguments.quiet, false);
     for &(path, output) in &outputs {
         write(path, output, &transient, arguments, &look, &display)?;
@@ -108,33 +107,69 @@ fn output(path: &Path, arguments: &TransientArguments) -> Result<Output> {
     }
 }
 
+/// Finds what of the options makes no sense for this light, before anything is written.
+fn check_options(transient: &Transient, arguments: &TransientArguments) -> Result<()> {
+    let speed = transient.timing().light_speed;
+    if let Some((x, y)) = arguments.pixel {
+        check_pixel(transient, x, y)?;
+    }
+    if let Some((from, to)) = arguments.gate {
+        gate(speed, from, to)?;
+    }
+    if let Some(y) = arguments.row {
+        transient.streak_of_row(y)?;
+    }
+    if let Some(x) = arguments.column {
+        transient.streak_of_column(x)?;
+    }
+    if let Some(frequency) = arguments.tof {
+        TimeOfFlight::of_frequency(frequency, speed)?;
+    }
+    if let Some((mean, sigma)) = arguments.phasor {
+        transient.phasor_frequencies(mean, sigma)?;
+    }
+    Ok(())
+}
+
+/// When a gate opens and closes, in scene units.
+fn gate(speed: f64, from: Length, to: Length) -> Result<[f64; 2]> {
+    let [from, to] = [from, to].map(|length| length.in_units(speed));
+    if from >= to {
+        return Err(Error::new(format!("a gate must open before it closes, not at {from} and {to}"))
+            .with_hint("a number without a unit is in scene units, and a time is taken to them"));
+    }
+    Ok([from, to])
+}
+
 /// Finds what would stop a file from being written, before any work.
 fn check(path: &Path, output: Output) -> Result<()> {
     match output {
         Output::Picture(_) => check_path(path),
         Output::Transient => check_transient_path(path),
         Output::Phasors => check_writable(&sidecar_path(path)).and_then(|()| check_writable(path)),
-        Output::Bins => std::fs::create_dir_all(path).map_err(|error| Error::io(path, "create", &error)),
+        Output::Bins => check_folder(path),
         Output::Mp4 => film::check_ffmpeg(path).and_then(|()| check_writable(path)),
         Output::Film(_) | Output::Table | Output::Plot | Output::Hdf5 => check_writable(path),
     }
 }
 
+/// Finds what would stop a folder from being made, or files from being written into it; what is not there is not made yet.
+fn check_folder(path: &Path) -> Result<()> {
+    let there = path.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        return Err(Error::new(format!("cannot create '{}': '{}' is not a folder", path.display(), there.display())));
+    }
+    check_writable(&there.join("000.exr"))
+}
+
 fn read(arguments: &TransientArguments) -> Result<Transient> {
-    let units = |length: crate::args::Length| length.in_units(SPEED_OF_LIGHT);
+    let units = |length: Length| length.in_units(SPEED_OF_LIGHT);
     let otherwise = arguments.bin_width.map(|width| {
         let start = arguments.start.map_or(0.0, units);
         Timing { axis: Axis { start, bin_width: units(width) }, ..Timing::new(0.0, 1.0) }
     });
     if let Some(timing) = &otherwise {
         timing.check()?;
-        let sidecar = sidecar_path(&arguments.input);
-        if arguments.input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"))
-            && sidecar.exists()
-        {
-            return Err(Error::new(format!("'{}' tells what the bins are already", sidecar.display()))
-                .with_hint("leave --bin-width out, or change the file"));
-        }
     }
     let transient = read_transient(&arguments.input, arguments.layer.as_deref(), otherwise)?;
     match arguments.rebin {
@@ -175,6 +210,7 @@ fn write(
         }
         (Output::Hdf5, _) => write_tal(path, transient),
         (Output::Bins, _) => {
+            std::fs::create_dir_all(path).map_err(|error| Error::io(path, "create", &error))?;
             let digits = (transient.bins() - 1).to_string().len().max(3);
             for bin in 0..transient.bins() {
                 display.step(bin, transient.bins(), &format!("writing {}", path.display()));
@@ -192,10 +228,7 @@ fn picture(transient: &Transient, arguments: &TransientArguments, look: &Look, f
     let light = match arguments {
         TransientArguments { steady: true, .. } => transient.steady(),
         TransientArguments { gate: Some((from, to)), .. } => {
-            let [from, to] = [from, to].map(|length| length.in_units(speed));
-            if from >= to {
-                return Err(Error::new(format!("a gate must open before it closes, not at {from} and {to}")));
-            }
+            let [from, to] = gate(speed, *from, *to)?;
             transient.gated(from, to)
         }
         TransientArguments { row: Some(y), .. } => transient.streak_of_row(*y)?,

@@ -42,6 +42,56 @@ fn films_of_parts_make_the_film_of_the_whole() {
     }
 }
 
+/// What takes more memory than there may be is kept in a file without a name.
+#[test]
+fn a_film_that_does_not_fit_in_memory_has_the_same_bits() {
+    let ways = WAYS.iter().filter(|way| way.contains("time.")).chain([
+        &"--integrator path --set filter=tent --set filter.radius=1.3 --set time.bins=7 --set time.variance=true",
+    ]);
+    for way in ways {
+        let folder = Folder::with_scene(SCENE);
+        let render = |options: &str| folder.run(&format!("render scene.toml {way} {options}"));
+        let memory = render("-o a.npy -o a.npz --checkpoint a.film --passes 4 --threads 1 --memory 1GB").1;
+        assert!(memory.contains("of memory"), "{memory}");
+        let disk = render("-o b.npy -o b.npz --checkpoint b.film --passes 4 --threads 2 --memory 0").1;
+        assert!(disk.contains("of the disk, in '.'"), "{disk}");
+        render("-o c.npy --checkpoint c.film --passes 2 --memory 0");
+        render("-o c.npy --resume c.film --passes 4 --memory 0");
+        render("-o d.npy --checkpoint d.film --pass-range 2..4 --memory 0");
+        render("-o e.npy --checkpoint e.film --pass-range 0..2 --memory 0");
+        folder.run("merge d.film e.film -o m.film -o m.npy --memory 0");
+        for name in ["b", "c", "m"] {
+            assert!(folder.read(&format!("{name}.film")) == folder.read("a.film"), "{way}, {name}.film");
+            assert!(folder.read(&format!("{name}.npy")) == folder.read("a.npy"), "{way}, {name}.npy");
+        }
+        assert!(folder.read("b.npz") == folder.read("a.npz"), "{way}");
+        let hidden: Vec<String> = folder.names().into_iter().filter(|name| name.starts_with('.')).collect();
+        assert!(hidden.is_empty(), "{hidden:?}");
+    }
+}
+
+#[test]
+fn a_film_for_which_there_is_no_room_is_refused_before_the_first_pass() {
+    let folder = Folder::with_scene(SCENE);
+    let time = "--size 1000x1000 --set time.bins=1000000 --set time.start=0 --set time.bin-width=1";
+    let said = folder.refuse(&format!("render scene.toml -o a.npy {time} --memory 1GB"));
+    assert!(said.contains("cannot keep the film's time bins in '.'") && said.contains("fewer bins"), "{said}");
+    let said = folder.refuse(&format!("render scene.toml -o a.npy {time} --memory 1000TB"));
+    assert!(said.contains("fewer bins"), "{said}");
+    assert_eq!(folder.names(), ["scene.toml"]);
+    assert!(folder.refuse("render scene.toml --memory 4").contains("such as 500MB"));
+}
+
+#[test]
+fn the_room_that_a_film_takes_is_told_before_it_is_rendered() {
+    let folder = Folder::with_scene(&SCENE.replace("size = [8, 6]", "size = [8, 6]\ntime = { bins = 254 }"));
+    let expected = "254 time bins that take 612 KiB";
+    for command in ["info", "check"] {
+        let (said, _) = folder.run(&format!("{command} scene.toml"));
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
 #[test]
 fn layers_in_time_are_written_beside_all_light_and_read_by_their_names() {
     let folder = Folder::with_scene(SCENE);
@@ -92,8 +142,8 @@ fn a_film_with_time_is_written_with_its_bins() {
     assert_eq!(folder.read("c.npy"), array);
     let said = folder.refuse("render scene.toml -o a.npz");
     assert!(said.contains("the film has no time bins"), "{said}");
-    let said = folder.refuse("render scene.toml -o a.npy --set time.bins=100000000");
-    assert!(said.contains("100000000 time bins") && said.contains("GiB"), "{said}");
+    let said = folder.refuse("render scene.toml -o a.npy --size 8000x8000 --set time.bins=100000000");
+    assert!(said.contains("100000000 time bins") && said.contains("TiB"), "{said}");
 }
 
 #[test]

@@ -80,6 +80,25 @@ fn the_film_is_kept_too() {
 }
 
 #[test]
+fn nothing_is_left_of_a_film_on_the_disk() {
+    let folder = Folder::with_scene(SCENE);
+    let render = "render scene.toml -o a.npy --integrator path --set time.bins=64 --memory 0";
+    let mut running = Running::start(&folder, &format!("{render} --passes 4000000000"));
+    running.wait_for("pass 1 of");
+    running.press_ctrl_c();
+    assert_eq!(running.end(), Some(0));
+    assert_eq!(folder.names(), ["a.json", "a.npy", "scene.toml"]);
+    // Nor if it ends within a pass.
+    let mut running = Running::start(&folder, &format!("{render} --passes 1 --set samples=4000000000"));
+    running.wait_for("64 time bins");
+    running.press_ctrl_c();
+    running.wait_for("stopping");
+    running.press_ctrl_c();
+    assert_eq!(running.end(), Some(130));
+    assert_eq!(folder.names(), ["a.json", "a.npy", "scene.toml"]);
+}
+
+#[test]
 fn the_second_quits_at_once() {
     let folder = Folder::with_scene(SCENE);
     let endless = "render scene.toml -o a.png --integrator path --passes 1 --set samples=4000000000";

@@ -195,6 +195,7 @@ fn what_cannot_be_done_is_a_sentence() {
     let folder = folder_with(LIGHT);
     folder.write("bare.npy", array(LIGHT));
     folder.write("short.npy", &array(LIGHT)[..100]);
+    folder.run("transient light.npy -o light.npz");
     folder.write("broken.csv", b"0,1\n0,2\n");
     folder.write("words.csv", b"0,1\n1,x\n");
     for (arguments, expected) in [
@@ -203,6 +204,13 @@ fn what_cannot_be_done_is_a_sentence() {
         ("bare.npy -o a.gif", "there is no 'bare.json'"),
         ("short.npy -o a.gif --bin-width 1", "short.npy: "),
         ("light.npy -o a.gif --bin-width 1", "'light.json' tells what the bins are already"),
+        ("light.npz -o a.gif --bin-width 1", "'transient.json' tells what the bins are already"),
+        ("light.npy -o a.csv -o a.exr --gate 3..2 --pixel 0,0", "a gate must open before it closes"),
+        ("light.npy -o a.csv -o a.exr --row 9 --pixel 0,0", "there is no row 9"),
+        ("light.npy -o a.csv -o a.npy --phasor=-1,1 --pixel 0,0", "wavelengths must be numbers above 0"),
+        ("light.npy -o a.csv -o b.mp4 --fps 1e9 --pixel 0,0", "between 0.1 and 240 pictures a second"),
+        ("no.npy -o a.bins/", "cannot read 'no.npy'"),
+        ("light.npy -o light.npy/bins/", "'light.npy' is not a folder"),
         ("bare.npy -o a.gif --bin-width 0", "the width of a bin must be a number above 0"),
         ("light.npy -o a.tiff", "known are .gif .apng .mp4"),
         ("light.npy -o a.csv", "'a.csv' needs --pixel X,Y or --tof FREQUENCY"),

@@ -83,14 +83,9 @@ impl BiasSums {
         self.groups.iter().flat_map(|group| [&group.areas, &group.light])
     }
 
-    /// With sums from `read`, which is asked for so many at a time in the same order.
-    pub(super) fn read(
-        [width, height]: [usize; 2],
-        mut read: impl FnMut(usize) -> Option<ExactSums>,
-    ) -> Option<BiasSums> {
-        let blocks = blocks([width, height]);
-        let groups = (0..GROUPS).map(|_| Some(Group { areas: read(3)?, light: read(2 * blocks)? }));
-        Some(BiasSums { width, height, groups: groups.collect::<Option<_>>()? })
+    /// The same, to be changed.
+    pub(super) fn sums_mut(&mut self) -> impl Iterator<Item = &mut ExactSums> {
+        self.groups.iter_mut().flat_map(|group| [&mut group.areas, &mut group.light])
     }
 
     /// Adds the pixels of pass `index`, whose area is this.

@@ -1,7 +1,8 @@
 //! What a film has in its time bins.
 
 use super::exact::ExactSums;
-use super::{Arrival, Clock, luminance_of};
+use super::{Arrival, Clock, Storage, luminance_of};
+use crate::error::{Error, Result};
 
 /// Sums over passes of what arrived in each slot of each pixel, the same to the last bit in any order of the passes.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,10 +16,16 @@ pub(super) struct BinSums {
 }
 
 impl BinSums {
-    pub(super) fn new(clock: Clock, pixels: usize) -> BinSums {
-        let slots = clock.slots().unwrap_or(usize::MAX);
-        let squares = clock.has_variance().then(|| ExactSums::new(slots * pixels));
-        BinSums { clock, slots, light: ExactSums::new(3 * slots * pixels), squares }
+    /// Of nothing, for so many pixels.
+    ///
+    /// # Errors
+    /// More of them than there can be, or than there is room for in files.
+    pub(super) fn new(clock: Clock, pixels: usize, storage: &Storage) -> Result<BinSums> {
+        let too_many = || Error::new("the film has more time bins than there can be").with_hint("keep fewer of them");
+        let (slots, _) = clock.slots().zip(BinSums::count(&clock, pixels)).ok_or_else(too_many)?;
+        let light = ExactSums::new_in(storage, 3 * slots * pixels)?;
+        let squares = clock.has_variance().then(|| ExactSums::new_in(storage, slots * pixels)).transpose()?;
+        Ok(BinSums { clock, slots, light, squares })
     }
 
     /// How many sums there are for so many pixels; none if they are too many to be.
@@ -36,19 +43,12 @@ impl BinSums {
         [&self.light].into_iter().chain(&self.squares)
     }
 
-    /// With sums from `read`, which is asked for so many at a time in the same order.
-    pub(super) fn read(
-        clock: Clock,
-        pixels: usize,
-        mut read: impl FnMut(usize) -> Option<ExactSums>,
-    ) -> Option<BinSums> {
-        let slots = clock.slots()?;
-        let light = read(3 * slots * pixels)?;
-        let squares = if clock.has_variance() { Some(read(slots * pixels)?) } else { None };
-        Some(BinSums { clock, slots, light, squares })
+    /// The same, to be changed.
+    pub(super) fn sums_mut(&mut self) -> impl Iterator<Item = &mut ExactSums> {
+        [&mut self.light].into_iter().chain(&mut self.squares)
     }
 
-    /// Adds those of a pass, in the order of pixels and slots.
+    /// Adds some of those of a pass, in the order of pixels and slots: all that it has of each of these pairs.
     pub(super) fn add(&mut self, arrivals: &[Arrival]) {
         let slots = self.slots;
         let at = |arrival: &Arrival| arrival.pixel as usize * slots + arrival.slot as usize;

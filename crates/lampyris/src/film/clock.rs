@@ -4,7 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scene::description::{FilmDescription, TimeDescription};
-use crate::transient::{IndexMode, Met, TimeLayer, TimeLayers, Unwarp, phase};
+use crate::spectrum::Spectrum;
+use crate::transient::{IndexMode, Met, TimeLayer, TimeLayers, Timing, Unwarp, phase};
 
 /// What a film keeps of every pixel by time, in slots: bins of one width, with one more slot before and one after them for
 /// what falls outside; or amplitudes, with a slot for the real and one for the imaginary part of each. For all light, and once
@@ -85,6 +86,11 @@ impl Clock {
         }
     }
 
+    /// What the bins mean, in metres.
+    pub fn timing(&self) -> Timing {
+        Timing { unwarp: self.unwarp, index: self.index, ..Timing::new(self.start, self.bin_width()) }
+    }
+
     /// What of the way does not count.
     pub fn unwarp(&self) -> Unwarp {
         self.unwarp
@@ -108,6 +114,11 @@ impl Clock {
     /// Slots of a pixel, for all light and for each layer. None of more than can be.
     pub(super) fn slots(&self) -> Option<usize> {
         self.slots_each().checked_mul(self.layers.count().checked_add(1)?).filter(|&slots| u32::try_from(slots).is_ok())
+    }
+
+    /// Most bytes that light in all slots of a pixel takes while a pass has it in hand.
+    pub(crate) fn most_bytes(&self) -> usize {
+        self.slots().unwrap_or(usize::MAX).saturating_mul(size_of::<(u32, Spectrum)>())
     }
 
     /// The number of the first slot of a layer, if it is kept; of all light, if none is named.

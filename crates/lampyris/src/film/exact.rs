@@ -6,7 +6,12 @@
 //! are and what is in them depend on the set of values alone. What is dropped is less than 2⁻⁴⁰ of the largest value, for
 //! each value. [Demmel & Nguyen 2015] sum likewise; their bins carry, ours are wide enough not to.
 
+use std::io::{self, Read, Write};
+
 use rayon::prelude::*;
+
+use super::storage::{Numbers, Storage};
+use crate::error::Result;
 
 /// Binary places of a limb.
 const WIDTH: i32 = 40;
@@ -32,9 +37,9 @@ const LAST_LIMB: u8 = ((1023 - LOWEST) / WIDTH) as u8;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExactSums {
     /// Sums of the limb that `top` numbers, and of the one below it.
-    high: Vec<i64>,
-    low: Vec<i64>,
-    top: Vec<u8>,
+    high: Numbers<i64>,
+    low: Numbers<i64>,
+    top: Numbers<u8>,
 }
 
 /// One of them.
@@ -48,9 +53,17 @@ struct Sum<'a> {
 const CHUNK: usize = 1 << 14;
 
 impl ExactSums {
-    /// So many sums of nothing.
+    /// So many sums of nothing, in memory.
     pub(super) fn new(count: usize) -> ExactSums {
-        ExactSums { high: vec![0; count], low: vec![0; count], top: vec![0; count] }
+        ExactSums { high: Numbers::new(count), low: Numbers::new(count), top: Numbers::new(count) }
+    }
+
+    /// So many sums of nothing.
+    ///
+    /// # Errors
+    /// Files for which there is no room.
+    pub(super) fn new_in(storage: &Storage, count: usize) -> Result<ExactSums> {
+        Ok(ExactSums { high: storage.zeros(count)?, low: storage.zeros(count)?, top: storage.zeros(count)? })
     }
 
     /// How many they are.
@@ -73,6 +86,10 @@ impl ExactSums {
         value: impl Fn(&T, usize) -> f64 + Sync,
     ) {
         let chunk = group * CHUNK;
+        let (Some(first), Some(last)) = (items.first(), items.last()) else { return };
+        // Those chunks alone that have items.
+        let [first, last] = [first, last].map(|item| number(item) / CHUNK);
+        let range = first * chunk..((last + 1) * chunk).min(self.top.len());
         let add = |number_of_chunk: usize, high: &mut [i64], low: &mut [i64], top: &mut [u8]| {
             let first = number_of_chunk * CHUNK;
             let from = items.partition_point(|item| number(item) < first);
@@ -83,9 +100,9 @@ impl ExactSums {
                 }
             }
         };
-        let chunks = self.high.par_chunks_mut(chunk).zip(self.low.par_chunks_mut(chunk));
-        let chunks = chunks.zip(self.top.par_chunks_mut(chunk)).enumerate();
-        chunks.for_each(|(number, ((high, low), top))| add(number, high, low, top));
+        let (high, low, top) = (&mut self.high[range.clone()], &mut self.low[range.clone()], &mut self.top[range]);
+        let chunks = high.par_chunks_mut(chunk).zip(low.par_chunks_mut(chunk)).zip(top.par_chunks_mut(chunk));
+        chunks.enumerate().for_each(|(number, ((high, low), top))| add(first + number, high, low, top));
     }
 
     /// Adds what was added to others: the same as adding it here.
@@ -130,23 +147,30 @@ impl ExactSums {
     pub(super) const BYTES: usize = 2 * size_of::<i64>() + 1;
 
     /// All that they are, for [`ExactSums::read`].
-    pub(super) fn write(&self, bytes: &mut Vec<u8>) {
+    pub(super) fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        let mut bytes = Vec::with_capacity(size_of::<i64>() * CHUNK);
         for limbs in [&self.high, &self.low] {
-            bytes.extend(limbs.iter().flat_map(|limb| limb.to_le_bytes()));
+            for limbs in limbs.chunks(CHUNK) {
+                bytes.clear();
+                bytes.extend(limbs.iter().flat_map(|limb| limb.to_le_bytes()));
+                to.write_all(&bytes)?;
+            }
         }
-        bytes.extend(&self.top);
+        to.write_all(&self.top)
     }
 
-    /// So many sums from the beginning of `bytes`, which moves on; none unless there are as many, or if they are none that
-    /// values can make.
-    pub(super) fn read(bytes: &mut &[u8], count: usize) -> Option<ExactSums> {
-        let (own, rest) = bytes.split_at_checked(count.checked_mul(Self::BYTES)?)?;
-        let (high, own) = own.split_at(count * size_of::<i64>());
-        let (low, top) = own.split_at(count * size_of::<i64>());
-        let limbs = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|limb| i64::from_le_bytes(*limb)).collect();
+    /// Makes these sums, which are as many, what [`ExactSums::write`] wrote.
+    ///
+    /// # Errors
+    /// If there are not as many, or none that values can make ([`io::ErrorKind::InvalidData`]).
+    pub(super) fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        for limbs in [&mut self.high, &mut self.low] {
+            from.read_exact(bytemuck::cast_slice_mut(limbs))?;
+            limbs.iter_mut().for_each(|limb| *limb = i64::from_le(*limb));
+        }
+        from.read_exact(&mut self.top)?;
         let is_limb = |top: &u8| top & LIMB <= LAST_LIMB;
-        *bytes = rest;
-        top.iter().all(is_limb).then(|| ExactSums { high: limbs(high), low: limbs(low), top: top.to_vec() })
+        if self.top.iter().all(is_limb) { Ok(()) } else { Err(io::ErrorKind::InvalidData.into()) }
     }
 }
 
@@ -287,15 +311,18 @@ mod tests {
         fn bytes_keep_all_of_it(values in vec(anything(), 0..20)) {
             let sums = sum(&values);
             let mut bytes = Vec::new();
-            sums.write(&mut bytes);
+            sums.write(&mut bytes).expect("memory");
             prop_assert_eq!(bytes.len(), ExactSums::BYTES);
-            prop_assert_eq!(ExactSums::read(&mut bytes.as_slice(), 1), Some(sums));
-            prop_assert_eq!(ExactSums::read(&mut &bytes[1..], 1), None);
+            let mut read = ExactSums::new(1);
+            read.read(&mut bytes.as_slice()).expect("as many");
+            prop_assert_eq!(&read, &sums);
+            prop_assert!(read.read(&mut &bytes[1..]).is_err());
         }
 
         #[test]
         fn bytes_of_others_do_no_harm(bytes in vec(any::<u8>(), 2 * ExactSums::BYTES), value in anything()) {
-            if let Some(mut sums) = ExactSums::read(&mut bytes.as_slice(), 2) {
+            let mut sums = ExactSums::new(2);
+            if sums.read(&mut bytes.as_slice()).is_ok() {
                 sums.add_each(|_| value);
                 sums.merge(&sums.clone());
                 let _ = (sums.value(0), sums.value(1));

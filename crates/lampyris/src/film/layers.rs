@@ -236,15 +236,14 @@ impl LayerSums {
         self.sums.iter().map(|(_, sums)| sums)
     }
 
-    /// For these layers, with sums from `read`, which is asked for them in the same order.
-    pub(super) fn read(
-        layers: Layers,
-        has_any: bool,
-        pixels: usize,
-        mut read: impl FnMut(usize) -> Option<ExactSums>,
-    ) -> Option<LayerSums> {
-        let sums = Feature::needed(layers).map(|feature| Some((feature, read(feature.channels() * pixels)?)));
-        Some(LayerSums { layers, has_any, sums: sums.collect::<Option<_>>()? })
+    /// The same, to be changed.
+    pub(super) fn sums_mut(&mut self) -> impl Iterator<Item = &mut ExactSums> {
+        self.sums.iter_mut().map(|(_, sums)| sums)
+    }
+
+    /// The same, if any pass had features or if none had.
+    pub(super) fn with_any(self, has_any: bool) -> LayerSums {
+        LayerSums { has_any, ..self }
     }
 
     /// Adds the features of a pass, of each pixel or none at all.

@@ -10,6 +10,7 @@ mod layers;
 mod passes;
 mod sinks;
 mod spread;
+mod storage;
 mod timed;
 
 pub use bias::Bias;
@@ -18,10 +19,13 @@ pub use exposure::{Arrival, Exposure, Features};
 pub use layers::{Layer, Layers};
 pub use passes::PassSet;
 pub use sinks::{Layered, Plain, Sink};
+pub use storage::Storage;
 pub use timed::Timed;
 
 pub(crate) use spread::{Band, Sums};
 pub(crate) use timed::Way;
+
+use std::io::{self, Read, Write};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -33,7 +37,7 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
-use crate::transient::{Phasors, TimeLayer, Timing, Transient};
+use crate::transient::{Phasors, TimeLayer, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
@@ -110,10 +114,20 @@ impl Film {
     }
 
     /// The same with these time bins, before the first pass.
-    #[must_use]
-    pub fn with_time(self, clock: Clock) -> Film {
-        let bins = BinSums::new(clock, self.width * self.height);
-        Film { bins: Some(bins), ..self }
+    ///
+    /// # Errors
+    /// More bins than there can be, or files for which there is no room.
+    pub fn with_time(self, clock: Clock, storage: &Storage) -> Result<Film> {
+        let bins = BinSums::new(clock, self.width * self.height, storage)?;
+        Ok(Film { bins: Some(bins), ..self })
+    }
+
+    /// Adds some of the arrivals of the pass that is added next, in the order of pixels and slots: all that it has of each of
+    /// these pairs. A pass so large that they are more than there is room for brings them in parts.
+    pub fn add_arrivals(&mut self, arrivals: &[Arrival]) {
+        if let Some(bins) = &mut self.bins {
+            bins.add(arrivals);
+        }
     }
 
     /// Adds a pass, with what it tells of the layers, on the current `rayon` pool. Whether weights and areas count is for the
@@ -145,9 +159,7 @@ impl Film {
             sums.add(index, area, image.pixels());
         }
         self.layers.add(features);
-        if let Some(bins) = &mut self.bins {
-            bins.add(arrivals);
-        }
+        self.add_arrivals(arrivals);
         self.passes += 1;
         self.samples = self.samples.saturating_add(u64::from(*samples));
     }
@@ -174,8 +186,8 @@ impl Film {
             return Ok(());
         }
         if self.passes == 0 {
-            *self = other.clone();
-            return Ok(());
+            self.weights = other.weights.as_ref().map(|_| Weights::new(self.width * self.height));
+            self.bias = other.bias.as_ref().map(|_| BiasSums::new(self.size()));
         }
         let passes = self.passes.saturating_add(other.passes);
         if passes > Film::MOST_PASSES {
@@ -219,39 +231,25 @@ impl Film {
     }
 
     /// Writes all of them.
-    pub(crate) fn write_sums(&self, bytes: &mut Vec<u8>) {
+    pub(crate) fn write_sums(&self, to: &mut dyn Write) -> io::Result<()> {
         let weights = self.weights.iter().flat_map(|weights| [&weights.sums, &weights.squares, &weights.products]);
         let sums = [&self.sums, &self.squares].into_iter().chain(weights);
         let bias = self.bias.iter().flat_map(BiasSums::sums);
         let bins = self.bins.iter().flat_map(BinSums::sums);
-        sums.chain(bias).chain(self.layers.sums()).chain(bins).for_each(|sums| sums.write(bytes));
+        sums.chain(bias).chain(self.layers.sums()).chain(bins).try_for_each(|sums| sums.write(to))
     }
 
-    /// A film of this shape, with all of its sums from `bytes`; none unless these are as many and can be such.
-    pub(crate) fn read_sums(shape: &FilmShape, mut bytes: &[u8]) -> Option<Film> {
-        let [width, height] = shape.size;
-        // Before any memory is taken.
-        if shape.bytes()? != bytes.len() || shape.passes > Film::MOST_PASSES {
-            return None;
-        }
-        let pixels = width * height;
-        let mut read = |count: usize| ExactSums::read(&mut bytes, count);
-        let (sums, squares) = (read(3 * pixels)?, read(pixels)?);
-        let weights = match shape.has_weights {
-            true => Some(Weights { sums: read(pixels)?, squares: read(pixels)?, products: read(pixels)? }),
-            false => None,
-        };
-        let bias = match shape.has_bias {
-            true => Some(BiasSums::read([width, height], &mut read)?),
-            false => None,
-        };
-        let layers = LayerSums::read(shape.layers()?, shape.has_features, pixels, &mut read)?;
-        let bins = match &shape.time {
-            Some(clock) => Some(BinSums::read(clock.clone(), pixels, &mut read)?),
-            None => None,
-        };
-        let FilmShape { passes, samples, .. } = *shape;
-        Some(Film { width, height, passes, samples, sums, squares, weights, bias, layers, bins })
+    /// Makes all of them, of a film of the same shape, what [`Film::write_sums`] wrote.
+    ///
+    /// # Errors
+    /// If they are not as many, or none that values can make.
+    pub(crate) fn read_sums(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let weights = self.weights.iter_mut();
+        let weights = weights.flat_map(|weights| [&mut weights.sums, &mut weights.squares, &mut weights.products]);
+        let sums = [&mut self.sums, &mut self.squares].into_iter().chain(weights);
+        let bias = self.bias.iter_mut().flat_map(BiasSums::sums_mut);
+        let bins = self.bins.iter_mut().flat_map(BinSums::sums_mut);
+        sums.chain(bias).chain(self.layers.sums_mut()).chain(bins).try_for_each(|sums| sums.read(from))
     }
 
     /// Width and height in pixels.
@@ -275,25 +273,34 @@ impl Film {
         self.bins_from(pixel, 0)
     }
 
+    /// [`Film::bins`] of a layer, or of all light if none is named.
+    ///
+    /// # Errors
+    /// A film without time bins or without this layer in time.
+    pub fn bins_of(&self, pixel: usize, layer: Option<TimeLayer>) -> Result<Vec<[f32; 3]>> {
+        Ok(self.bins_from(pixel, first_slot(self.clock_of_bins()?, layer)?))
+    }
+
     fn bins_from(&self, pixel: usize, first: usize) -> Vec<[f32; 3]> {
         let Some(bins) = &self.bins else { return Vec::new() };
         let (weight, slots) = (self.weight(pixel), first + 1..=first + bins.clock().bins());
         slots.map(|slot| bins.sum(pixel, slot).map(|sum| (sum / weight) as f32)).collect()
     }
 
-    /// [`Film::bins`] of all pixels; of a layer, or of all light if none is named.
+    fn clock_of_bins(&self) -> Result<&Clock> {
+        let clock = self.clock().filter(|clock| !clock.is_dense());
+        clock.ok_or_else(|| Error::new("the film has no time bins"))
+    }
+
+    /// [`Film::bins`] of all pixels; of a layer, or of all light if none is named. It is a copy in memory.
     ///
     /// # Errors
     /// A film without time or without this layer in time, or bins that are too many.
     pub fn transient(&self, layer: Option<TimeLayer>) -> Result<Transient> {
-        let clock = self.clock().filter(|clock| !clock.is_dense());
-        let clock = clock.ok_or_else(|| Error::new("the film has no time bins"))?;
-        let first = first_slot(clock, layer)?;
-        let timing =
-            Timing { unwarp: clock.unwarp(), index: clock.index(), ..Timing::new(clock.start(), clock.bin_width()) };
-        let mut transient = Transient::new(self.width, self.height, clock.bins(), timing)?;
+        let clock = self.clock_of_bins()?;
+        let mut transient = Transient::new(self.width, self.height, clock.bins(), clock.timing())?;
         for (pixel, profile) in transient.profiles_mut().enumerate() {
-            profile.copy_from_slice(&self.bins_from(pixel, first));
+            profile.copy_from_slice(&self.bins_of(pixel, layer)?);
         }
         Ok(transient)
     }
@@ -471,6 +478,48 @@ impl FilmShape {
         self.layers.iter().try_fold(Layers::NONE, |layers, name| {
             Some(layers.with(Layer::ALL.into_iter().find(|layer| layer.name() == name)?))
         })
+    }
+
+    /// How many passes the film holds.
+    pub(crate) fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// A film of this shape, all of whose sums are 0; none that could not be.
+    ///
+    /// # Errors
+    /// Files for which there is no room.
+    pub(crate) fn empty(&self, storage: &Storage) -> Result<Option<Film>> {
+        let Some(layers) = self.layers().filter(|_| self.passes <= Film::MOST_PASSES && self.bytes().is_some()) else {
+            return Ok(None);
+        };
+        let (size, pixels) = (self.size, self.size[0] * self.size[1]);
+        let bins = self.time.clone().map(|clock| BinSums::new(clock, pixels, storage)).transpose()?;
+        Ok(Some(Film {
+            width: size[0],
+            height: size[1],
+            passes: self.passes,
+            samples: self.samples,
+            sums: ExactSums::new(3 * pixels),
+            squares: ExactSums::new(pixels),
+            weights: self.has_weights.then(|| Weights::new(pixels)),
+            bias: self.has_bias.then(|| BiasSums::new(size)),
+            layers: LayerSums::new(layers, pixels).with_any(self.has_features),
+            bins,
+        }))
+    }
+
+    /// Leaves the time bins out, whose sums are the last.
+    pub(crate) fn drop_time(&mut self) {
+        self.time = None;
+    }
+
+    /// Bytes that the time bins take, in memory or in a file.
+    pub(crate) fn bytes_of_bins(&self) -> usize {
+        let of_bins = |clock: &Clock| BinSums::count(clock, self.size[0].checked_mul(self.size[1])?);
+        self.time
+            .as_ref()
+            .map_or(0, |clock| of_bins(clock).map_or(usize::MAX, |sums| sums.saturating_mul(ExactSums::BYTES)))
     }
 
     /// Bytes that the sums take in a file; none of a film that could not be.

@@ -1,9 +1,11 @@
 //! Sums over the samples of a pass, spread over the pixels by a film's filter: bands around rows, which threads make in
 //! any order, and the picture that they are added up to in one.
 
+use std::collections::VecDeque;
+
 use glam::Vec2;
 
-use super::{Arrival, Exposure, Sink};
+use super::{Arrival, Exposure, Features, Sink};
 use crate::image::Image;
 use crate::scene::description::FilterDescription;
 use crate::spectrum::Basis;
@@ -67,45 +69,68 @@ pub(crate) struct Sums<S> {
     width: usize,
     height: usize,
     reach: usize,
-    pixels: Vec<(S, f32)>,
+    empty: S,
+    /// How many bands were added.
+    bands: usize,
+    /// The rows that bands were added to and that are not finished.
+    rows: VecDeque<Vec<(S, f32)>>,
+    /// What those have that are.
+    pixels: Vec<[f32; 3]>,
+    weights: Vec<f32>,
+    features: Vec<Features>,
 }
 
 impl<S: Sink> Sums<S> {
     /// Of such sinks.
     pub(crate) fn new(width: usize, height: usize, reach: usize, empty: &S) -> Sums<S> {
-        Sums { width, height, reach, pixels: vec![(empty.clone(), 0.0); width * height] }
+        let (empty, rows) = (empty.clone(), VecDeque::new());
+        let (pixels, weights, features) = (Vec::with_capacity(width * height), Vec::new(), Vec::new());
+        Sums { width, height, reach, empty, bands: 0, rows, pixels, weights, features }
     }
 
-    /// Adds the band around row `y`, counted from the uppermost one that reaches the picture; in the order of the rows.
-    pub(crate) fn add(&mut self, y: usize, band: &Band<S>) {
+    /// Adds the band around the next row, from the uppermost one on that reaches the picture.
+    pub(crate) fn add(&mut self, band: &Band<S>) {
+        let first = self.pixels.len() / self.width.max(1);
         for (row, from) in band.pixels.chunks(self.width.max(1)).enumerate() {
-            let Some(row) = (y + row).checked_sub(2 * self.reach).filter(|&row| row < self.height) else { continue };
-            let to = &mut self.pixels[row * self.width..][..self.width];
-            for ((sum, weight), (more, of)) in to.iter_mut().zip(from) {
+            let row = (self.bands + row).checked_sub(2 * self.reach).filter(|&row| row < self.height);
+            // Those that are finished are out of reach.
+            let Some(place) = row.and_then(|row| row.checked_sub(first)) else { continue };
+            while self.rows.len() <= place {
+                self.rows.push_back(vec![(self.empty.clone(), 0.0); self.width]);
+            }
+            for ((sum, weight), (more, of)) in self.rows[place].iter_mut().zip(from) {
                 sum.take(more, 1.0);
                 *weight += of;
             }
         }
+        self.bands += 1;
     }
 
-    pub(crate) fn exposure(self, samples: u32, basis: &Basis) -> Exposure {
+    /// Finishes the rows that no other band reaches, and returns what arrived in their pixels.
+    pub(crate) fn finish(&mut self, samples: u32, basis: &Basis) -> Vec<Arrival> {
         let n = samples as f32;
-        let pixels = self.pixels.iter().map(|(sum, _)| basis.to_rgb(sum.radiance() / n)).collect();
-        let image =
-            Image::from_pixels(self.width, self.height, pixels).unwrap_or_else(|| Image::new(self.width, self.height));
         // What four wavelengths make of white is known: the picture need not have its noise.
         let white = basis.white();
-        let weights = if self.reach == 0 && white == 1.0 {
-            Vec::new()
-        } else {
-            self.pixels.iter().map(|(_, weight)| weight / n * white).collect()
-        };
-        let features = self.pixels.iter().filter_map(|(sum, _)| sum.features(samples, basis)).collect();
+        let has_weights = self.reach > 0 || white != 1.0;
         let mut arrivals = Vec::new();
-        for (pixel, (mut sum, _)) in (0..).zip(self.pixels) {
-            let settled = sum.settle().iter();
-            arrivals.extend(settled.map(|&(slot, light)| Arrival { pixel, slot, light: basis.to_rgb(light / n) }));
+        while self.pixels.len() + 2 * self.reach * self.width < self.bands * self.width {
+            let Some(row) = self.rows.pop_front() else { break };
+            for (mut sum, weight) in row {
+                let pixel = self.pixels.len() as u32;
+                self.pixels.push(basis.to_rgb(sum.radiance() / n));
+                self.weights.extend(has_weights.then_some(weight / n * white));
+                self.features.extend(sum.features(samples, basis));
+                let settled = sum.settle().iter();
+                arrivals.extend(settled.map(|&(slot, light)| Arrival { pixel, slot, light: basis.to_rgb(light / n) }));
+            }
         }
-        Exposure { image, features, weights, samples, area: None, arrivals }
+        arrivals
+    }
+
+    /// The picture, when all rows are finished, without its arrivals.
+    pub(crate) fn exposure(self, samples: u32) -> Exposure {
+        let Sums { width, height, pixels, weights, features, .. } = self;
+        let image = Image::from_pixels(width, height, pixels).unwrap_or_else(|| Image::new(width, height));
+        Exposure { image, features, weights, samples, area: None, arrivals: Vec::new() }
     }
 }

@@ -19,7 +19,7 @@ use super::survey::{self, outlook, survey};
 use super::volume::{VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, Work, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layers, Sink};
+use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Guide, Outlook, Sightings};
 use crate::material::Lobes;
 use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
@@ -355,13 +355,14 @@ fn photon_maps(
 }
 
 impl Integrator for Auto {
-    fn expose(
+    fn expose_in_parts(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         let scene = &*survey::with(scene, &self.outlook);
         let scene = &*guided(scene, &self.guide);
@@ -371,7 +372,7 @@ impl Integrator for Auto {
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let sharing = Sharing::of(self.pilot.volume, &maps);
         let eye = Merged { maps, sharing, merging, limits };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye)
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye, arrived)
     }
 
     fn area(&self, pass: &Pass) -> Option<f64> {

@@ -6,7 +6,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::{Observer, Pass, Work};
-use crate::film::{Band, Clock, Exposure, Layered, Layers, Plain, Sink, Sums, Timed};
+use crate::film::{Arrival, Band, Clock, Exposure, Layered, Layers, Plain, Sink, Sums, Timed};
 use crate::light::{Emission, LightId};
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
@@ -32,7 +32,8 @@ pub(super) trait Eye: Sync {
 }
 
 /// Walks from the camera: shows `eye` so many samples of every pixel, and takes the mean by the film's filter, with the time
-/// at which light arrives where the film has time, and with what these layers need.
+/// at which light arrives where the film has time, of which `arrived` is told row by row, and with what these layers need.
+#[expect(clippy::too_many_arguments, reason = "it is what an integrator is asked for, with its eye and its samples")]
 pub(super) fn camera_pass(
     scene: &Scene,
     film: &FilmDescription,
@@ -41,13 +42,14 @@ pub(super) fn camera_pass(
     layers: Layers,
     observer: &dyn Observer,
     eye: &impl Eye,
+    arrived: &mut dyn FnMut(&[Arrival]),
 ) -> Exposure {
     let rows = Rows { scene, film, pass, samples, observer };
     let clock = Clock::of(film);
     match (&clock, layers.is_empty()) {
-        (None, true) => rows.expose(&Plain::default(), eye),
-        (None, false) => rows.expose(&Layered::default(), eye),
-        (Some(clock), none) => rows.expose(&Timed::new(clock, !none), eye),
+        (None, true) => rows.expose(&Plain::default(), 0, eye, arrived),
+        (None, false) => rows.expose(&Layered::default(), 0, eye, arrived),
+        (Some(clock), none) => rows.expose(&Timed::new(clock, !none), clock.most_bytes(), eye, arrived),
     }
 }
 
@@ -61,20 +63,29 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Every sample in a sink like `empty`.
-    fn expose<S: Sink>(&self, empty: &S, eye: &impl Eye) -> Exposure {
+    /// Every sample in a sink like `empty`, which takes up to so many bytes beside its own size.
+    fn expose<S: Sink>(
+        &self,
+        empty: &S,
+        most_bytes: usize,
+        eye: &impl Eye,
+        arrived: &mut dyn FnMut(&[Arrival]),
+    ) -> Exposure {
         let [width, height] = self.film.size.map(|side| side as usize);
         // What is spread comes from pixels around the picture, too.
         let reach = if self.film.filter.spreads() { self.film.filter.reach() as usize } else { 0 };
         let mut sums = Sums::new(width, height, reach, empty);
         let rows = height + 2 * reach;
-        let at_once = (ROWS_AT_ONCE / (2 * reach + 1)).max(rayon::current_num_threads());
+        let of_band = width.saturating_mul(2 * reach + 1).saturating_mul(most_bytes);
+        let at_once = ROWS_AT_ONCE / (2 * reach + 1);
+        let at_once = at_once.min(BYTES_AT_ONCE / of_band.max(1)).max(rayon::current_num_threads());
         for first in (0..rows).step_by(at_once) {
             let row = |y: usize| self.row(y, reach, empty, eye);
             let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
-            (first..).zip(&bands).for_each(|(y, band)| sums.add(y, band));
+            bands.iter().for_each(|band| sums.add(band));
+            arrived(&sums.finish(self.samples, self.scene.basis()));
         }
-        sums.exposure(self.samples, self.scene.basis())
+        sums.exposure(self.samples)
     }
 
     /// A row, counted from the topmost one that reaches the picture.
@@ -112,6 +123,9 @@ impl Rows<'_> {
 
 /// Rows of pixels that wait to be summed, so that they need little memory; a band around a row has several.
 const ROWS_AT_ONCE: usize = 128;
+
+/// What light by time in the rows that wait may take; where that is less than one row for each thread, it is these.
+const BYTES_AT_ONCE: usize = 1 << 28;
 
 /// Light paths are traced in blocks of this many.
 pub(super) const BLOCK: u64 = 4096;

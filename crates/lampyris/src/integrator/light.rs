@@ -27,13 +27,14 @@ pub struct LightTracing {
 }
 
 impl Integrator for LightTracing {
-    fn expose(
+    fn expose_in_parts(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         let [width, height] = film.size;
         let paths = self.settings.photons.map_or(u64::from(width) * u64::from(height), u64::from);
@@ -43,7 +44,12 @@ impl Integrator for LightTracing {
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        let mut exposure = camera_pass(scene, film, pass, 1, layers, &Rowless(observer), &PlainSight { limits });
+        let (observer, eye) = (&Rowless(observer), &PlainSight { limits });
+        let mut in_sight = Vec::new();
+        let mut see = |part: &[Arrival]| in_sight.extend_from_slice(part);
+        let mut exposure = camera_pass(scene, film, pass, 1, layers, observer, eye, &mut see);
+        // Splats come to any pixel at any time: there are no parts before all are there.
+        exposure.arrivals = in_sight;
         let clock = Clock::of(film);
         let scale = 1.0 / paths as f32;
         let mut arrivals = Vec::new();
@@ -61,6 +67,7 @@ impl Integrator for LightTracing {
             }
         }
         exposure.add_arrivals(arrivals);
+        arrived(&std::mem::take(&mut exposure.arrivals));
         exposure
     }
 

@@ -24,7 +24,7 @@ pub use photon_map::PhotonMapping;
 pub use range::timed;
 
 use crate::error::Result;
-use crate::film::{Exposure, Layers};
+use crate::film::{Arrival, Exposure, Layers};
 pub use crate::observer::{Observer, Phase, Silent, Work};
 use crate::scene::Scene;
 use crate::scene::description::{FilmDescription, IntegratorDescription};
@@ -49,6 +49,23 @@ pub trait Integrator: Send + Sync {
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+    ) -> Exposure {
+        let mut arrivals = Vec::new();
+        let mut arrived = |part: &[Arrival]| arrivals.extend_from_slice(part);
+        let exposure = self.expose_in_parts(scene, film, pass, layers, observer, &mut arrived);
+        Exposure { arrivals, ..exposure }
+    }
+
+    /// [`Integrator::expose`], without its arrivals: `arrived` is told of these, some at a time, in their order. All of them
+    /// together may be more than there is memory.
+    fn expose_in_parts(
+        &self,
+        scene: &Scene,
+        film: &FilmDescription,
+        pass: &Pass,
+        layers: Layers,
+        observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure;
 
     /// The area over which a pass gathers photons, that of the first being 1, if it shrinks from pass to pass: bias is in

@@ -9,7 +9,7 @@ use super::look::Look;
 use super::survey::{self, outlook, survey};
 use super::{Integrator, Observer, Pass, Phase, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layers, Sink};
+use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Outlook, Sightings};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -60,18 +60,19 @@ impl PathTracing {
 pub(super) const CAMERA_ROULETTE_FROM: u32 = 4;
 
 impl Integrator for PathTracing {
-    fn expose(
+    fn expose_in_parts(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         observer.phase(Phase::Camera);
         let scene = &*survey::with(scene, &self.outlook);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits })
+        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits }, arrived)
     }
 
     fn name(&self) -> &'static str {

@@ -9,7 +9,7 @@ use super::photons::{Maps, Photons};
 use super::volume::{VolumeEstimate, Wishes, gather};
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
-use crate::film::{Exposure, Layers, Sink};
+use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::material::Lobes;
 use crate::photon::{Bandwidth, Estimate, Nearest, Photon, PhotonMap, Radius, VolumeMap};
 use crate::sampler::Sampler;
@@ -86,13 +86,14 @@ impl PhotonMapping {
 }
 
 impl Integrator for PhotonMapping {
-    fn expose(
+    fn expose_in_parts(
         &self,
         scene: &Scene,
         film: &FilmDescription,
         pass: &Pass,
         layers: Layers,
         observer: &dyn Observer,
+        arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         let maps = self.maps(scene, pass, observer);
         observer.phase(Phase::Camera);
@@ -104,7 +105,7 @@ impl Integrator for PhotonMapping {
                 let PhotonMapSettings { direct, max_bounces, samples, .. } = self.settings;
                 let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
                 let eye = Gathering { estimate, volume: volume.as_ref(), direct, limits };
-                camera_pass(scene, film, pass, samples, layers, observer, &eye)
+                camera_pass(scene, film, pass, samples, layers, observer, &eye, arrived)
             }
             Show::Photons => dots::draw(scene, film, &maps.surface, |_| true).into(),
             Show::Caustics => dots::draw(scene, film, &maps.surface, Photon::is_caustic).into(),

@@ -14,11 +14,19 @@ use crate::error::{Error, Result};
 /// # Errors
 /// What the operating system says, as a sentence: no such folder, permission denied, the disk is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes))
+}
+
+/// [`write_whole`] of bytes that need not be in memory at once: `write` is given the file.
+///
+/// # Errors
+/// As [`write_whole`], and those of `write`.
+pub fn write_whole_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     check_place(path)?;
     let existing = std::fs::metadata(path).ok();
     let written = match &existing {
-        Some(there) if !there.is_file() || is_device_name(path) => write_directly(path, bytes),
-        _ => replace(path, existing.as_ref(), bytes),
+        Some(there) if !there.is_file() || is_device_name(path) => write_directly(path, write),
+        _ => replace(path, existing.as_ref(), write),
     };
     written.map_err(|error| Error::io(path, "write", &error))
 }
@@ -79,18 +87,22 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-fn write_directly(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write_directly(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).open(path)?;
-    file.write_all(bytes)?;
+    write(&mut file)?;
     file.flush()
 }
 
-fn replace(path: &Path, existing: Option<&Metadata>, bytes: &[u8]) -> io::Result<()> {
+fn replace(
+    path: &Path,
+    existing: Option<&Metadata>,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
     // A link keeps its place: its target is what we replace.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let (temporary, mut file) = create_beside(&target)?;
     let written = (|| {
-        file.write_all(bytes)?;
+        write(&mut file)?;
         if let Some(existing) = existing {
             file.set_permissions(existing.permissions())?;
         }

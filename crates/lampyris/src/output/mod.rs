@@ -38,7 +38,7 @@ mod video;
 use std::io::Read;
 use std::path::Path;
 
-pub use atomic::{check_writable, write_whole};
+pub use atomic::{check_writable, write_whole, write_whole_by};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
 pub use plot::{check_pixel, map_csv, profile_csv, profile_svg};
 pub use scene::{check_scene_path, write_scene};
@@ -47,7 +47,7 @@ pub use timed::write_timed;
 pub use transient::{
     TransientFormat, check_transient_path, read_transient, sidecar_path, write_phasors, write_transient,
 };
-pub use video::{VideoFormat, encode_video};
+pub use video::{VideoFormat, check_frame_rate, encode_video};
 
 use crate::error::{Error, Result, did_you_mean};
 use crate::film::Layer;

@@ -15,18 +15,25 @@ pub(super) fn encode(image: &Image) -> Vec<u8> {
 
 /// Little-endian 32-bit floats of any shape of two axes or more, row-major.
 pub(super) fn encode_array(shape: &[usize], values: &[f32]) -> Vec<u8> {
+    let mut bytes = encode_header(shape);
+    bytes.reserve_exact(size_of_val(values));
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+/// What comes before the values of such an array.
+pub(super) fn encode_header(shape: &[usize]) -> Vec<u8> {
     let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
     // The values begin at a multiple of 64 bytes; the header before them ends in a line feed.
     let before = MAGIC.len() + 4;
     header.push_str(&" ".repeat((before + header.len() + 1).next_multiple_of(64) - before - header.len() - 1));
     header.push('\n');
-    let mut bytes = Vec::with_capacity(before + header.len() + size_of_val(values));
+    let mut bytes = Vec::with_capacity(before + header.len());
     bytes.extend(MAGIC);
     bytes.extend([1, 0]);
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.into_bytes());
-    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
     bytes
 }
 

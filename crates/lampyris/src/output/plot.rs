@@ -144,7 +144,8 @@ fn axes(svg: &mut String, transient: &Transient, lengths: &Scale, values: &Scale
             bottom + 18.0
         );
     }
-    let (unit, per_second) = time_unit(lengths.range[1] / transient.timing().light_speed);
+    let longest = lengths.range[0].abs().max(lengths.range[1].abs());
+    let (unit, per_second) = time_unit(longest / transient.timing().light_speed);
     let to_time = per_second / transient.timing().light_speed;
     let times = Scale { range: lengths.range.map(|length| length * to_time), place: lengths.place };
     let _ = writeln!(svg, "<text x=\"{}\" y=\"16\" text-anchor=\"middle\">time ({unit})</text>", (left + right) / 2.0);
@@ -170,7 +171,7 @@ fn axes(svg: &mut String, transient: &Transient, lengths: &Scale, values: &Scale
 /// The unit in which a time is at least 1, and how many of it make a second.
 fn time_unit(seconds: f64) -> (&'static str, f64) {
     let units = [("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9)];
-    units.into_iter().find(|(_, per_second)| seconds.abs() * per_second >= 1.0).unwrap_or(("ps", 1e12))
+    units.into_iter().find(|(_, per_second)| seconds * per_second >= 1.0).unwrap_or(("ps", 1e12))
 }
 
 #[cfg(test)]
@@ -212,6 +213,13 @@ mod tests {
             ["0.2", "0.3", "0.4", "0.5", "0.6"]
         );
         assert!(Scale { range: [1.0, 1.0], place: [0.0, 1.0] }.ticks().is_empty());
+    }
+
+    #[test]
+    fn times_before_0_have_the_unit_that_fits_them() {
+        let timing = Timing::new(-SPEED_OF_LIGHT * 3e-9, SPEED_OF_LIGHT * 3e-9);
+        let before = Transient::from_values((1, 1, 1), timing, vec![1.0; 3]).expect("3 values");
+        assert!(profile_svg(&before, 0, 0).expect("a pixel").contains("time (ns)"));
     }
 
     #[test]

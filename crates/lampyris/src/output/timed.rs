@@ -1,88 +1,138 @@
 //! Films with time in files: all light by pixel and time, and each layer of it that was kept.
 
+use std::io::{self, Write};
 use std::path::Path;
 
-use super::atomic::write_whole;
+use rayon::prelude::*;
+
+use super::atomic::{write_whole, write_whole_by};
+use super::npy::encode_header;
 use super::tal::{is_hdf5, write_tal};
 use super::transient::{
-    ARRAY, Layering, SIDECAR, TransientFormat, encode_npz, encode_phasors, encode_sidecar, encode_values, layer_path,
-    member_of, sidecar_path,
+    ARRAY, Facts, Layering, Member, SIDECAR, TransientFormat, encode_phasor_sidecar, encode_sidecar, layer_path,
+    member_of, sidecar_path, write_npz,
 };
 use crate::error::{Error, Result};
-use crate::film::Film;
-use crate::transient::{Capture, TimeLayer, Transient};
+use crate::film::{Clock, Film};
+use crate::image::luminance;
+use crate::transient::{Capture, TimeLayer};
 
 /// Writes the time bins of a film, of a wall that was captured so, as [`write_transient`](super::write_transient) or
 /// [`write_tal`] do, or its amplitudes as
 /// [`write_phasors`](super::write_phasors) does, with its layers in time: beside `NAME.npy`, `NAME.LAYER.npy` with a `.json` of
 /// its own; within an `.npz`, `LAYER.npy`, where amplitudes of all light are `phasors.npy`. Each file is written whole or not
-/// at all.
+/// at all, and but for HDF5 a part at a time, so that there is no copy of the film in memory.
 ///
 /// # Errors
 /// A film without time, another extension than `.npy`, `.npz` and `.hdf5`, or what the operating system says.
 pub fn write_timed(path: &Path, film: &Film, capture: Option<&Capture>) -> Result<()> {
+    let [width, height] = film.size();
+    capture.map_or(Ok(()), |capture| capture.check(width, height))?;
     if is_hdf5(path) {
-        return write_tal(path, &captured(film.transient(None)?, capture)?);
+        let light = film.transient(None)?;
+        let light = match capture {
+            Some(capture) => light.with_capture(capture.clone())?,
+            None => light,
+        };
+        return write_tal(path, &light);
     }
     let clock = film.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
-    let layers: Vec<_> = clock.layers().iter().collect();
+    let layers: Vec<TimeLayer> = clock.layers().iter().collect();
     let names: Vec<String> = layers.iter().map(ToString::to_string).collect();
-    let whole = || encoded(film, capture, None, Layering { layer: None, layers: &names });
-    let part = |(&layer, name): (&TimeLayer, &String)| {
-        let (array, sidecar) = encoded(film, capture, Some(layer), Layering { layer: Some(name), layers: &[] })?;
-        Ok((name.clone(), array, sidecar))
-    };
-    let mut parts = layers.iter().zip(&names).map(part);
+    let whole = Array { film, clock, capture, layer: None, layering: Layering { layer: None, layers: &names } };
+    let parts = layers.iter().zip(&names).map(|(&layer, name)| {
+        let layering = Layering { layer: Some(name), layers: &[] };
+        (name, Array { layer: Some(layer), layering, ..whole })
+    });
     match TransientFormat::of(path)? {
         TransientFormat::Npy => {
-            parts.try_for_each(|part| {
-                let (name, array, sidecar) = part?;
-                write_both(&layer_path(path, &name), &array, &sidecar)
-            })?;
-            let (array, sidecar) = whole()?;
-            write_both(path, &array, &sidecar)
+            for (name, array) in parts {
+                array.write_both(&layer_path(path, name))?;
+            }
+            whole.write_both(path)
         }
         TransientFormat::Npz => {
-            let names = if clock.bins() > 0 { [ARRAY, SIDECAR] } else { ["phasors.npy", "phasors.json"] };
-            let (array, sidecar) = whole()?;
-            let all = names.map(String::from).into_iter().zip([array, sidecar]).map(Ok);
-            let parts = parts.map(|part: Result<_>| part.map(|(name, array, _)| (member_of(&name), array)));
-            write_whole(path, &encode_npz(all.chain(parts))?)
+            let [array, sidecar] = if clock.bins() > 0 { [ARRAY, SIDECAR] } else { ["phasors.npy", "phasors.json"] };
+            let mut members = vec![whole.member(array), Member::of_bytes(sidecar, whole.sidecar()?)];
+            members.extend(parts.map(|(name, array)| array.member(&member_of(name))));
+            write_whole_by(path, |file| write_npz(file, &members))
         }
     }
 }
 
-fn write_both(path: &Path, array: &[u8], sidecar: &[u8]) -> Result<()> {
-    write_whole(&sidecar_path(path), sidecar)?;
-    write_whole(path, array)
-}
-
-/// The array of a layer, or of all light, and what stands beside it.
-fn encoded(
-    film: &Film,
-    capture: Option<&Capture>,
+/// The bins or amplitudes of all light, or of one layer.
+#[derive(Clone, Copy)]
+struct Array<'a> {
+    film: &'a Film,
+    clock: &'a Clock,
+    capture: Option<&'a Capture>,
     layer: Option<TimeLayer>,
-    layering: Layering<'_>,
-) -> Result<(Vec<u8>, Vec<u8>)> {
-    if let Ok(phasors) = film.phasors(layer) {
-        return Ok(encode_phasors(&phasors, layering));
-    }
-    let light = captured(film.transient(layer)?, capture)?;
-    Ok((encode_values(&light), encode_sidecar(&light, layering)?))
+    layering: Layering<'a>,
 }
 
-/// The same with how a wall was captured, if it is one.
-fn captured(light: Transient, capture: Option<&Capture>) -> Result<Transient> {
-    match capture {
-        Some(capture) => light.with_capture(capture.clone()),
-        None => Ok(light),
+/// Bytes of an array that are made at a time.
+const AT_ONCE: usize = 1 << 24;
+
+impl<'a> Array<'a> {
+    /// The array, and beside it what it means; that comes first, so that whoever sees the array appear finds it.
+    fn write_both(self, path: &Path) -> Result<()> {
+        write_whole(&sidecar_path(path), &self.sidecar()?)?;
+        write_whole_by(path, |file| self.write(file))
+    }
+
+    /// Within another file.
+    fn member(self, name: &str) -> Member<'a> {
+        let values = self.shape().iter().map(|&length| length as u64).product::<u64>();
+        Member { name: name.into(), length: 4 * values, write: Box::new(move |to| self.write(to)) }
+    }
+
+    fn shape(&self) -> [usize; 4] {
+        let [width, height] = self.film.size();
+        let of_pixel = match self.clock.bins() {
+            0 => [self.clock.frequencies().len(), 2],
+            bins => [bins, 3],
+        };
+        [height, width, of_pixel[0], of_pixel[1]]
+    }
+
+    fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        let [height, width, count, channels] = self.shape();
+        to.write_all(&encode_header(&self.shape()))?;
+        let pixels: Vec<usize> = (0..width * height).collect();
+        for pixels in pixels.chunks((AT_ONCE / (4 * channels * count.max(1))).max(1)) {
+            let parts: Result<Vec<Vec<u8>>> = pixels.par_iter().map(|&pixel| self.values(pixel)).collect();
+            for part in parts.map_err(io::Error::other)? {
+                to.write_all(&part)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Those of a pixel, as bytes.
+    fn values(&self, pixel: usize) -> Result<Vec<u8>> {
+        let values = match self.clock.bins() {
+            0 => self.film.amplitudes(pixel, self.layer)?.into_iter().flatten().map(luminance).collect(),
+            _ => self.film.bins_of(pixel, self.layer)?.into_flattened(),
+        };
+        Ok(values.into_iter().flat_map(f32::to_le_bytes).collect())
+    }
+
+    /// The JSON beside the array.
+    fn sidecar(&self) -> Result<Vec<u8>> {
+        let [height, width, count, _] = self.shape();
+        if self.clock.bins() == 0 {
+            let (frequencies, start) = (self.clock.frequencies(), self.clock.start());
+            return Ok(encode_phasor_sidecar([height, width], &frequencies, start, self.layering));
+        }
+        let facts = Facts { timing: self.clock.timing(), size: [height, width, count], capture: self.capture };
+        encode_sidecar(&facts, self.layering)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Arrival, Clock, Exposure};
+    use crate::film::{Arrival, Exposure, Storage};
     use crate::image::Image;
     use crate::output::read_transient;
     use crate::scene::description::{FilmDescription, TimeDescription};
@@ -100,7 +150,7 @@ mod tests {
             clock.note(optical_length, met, |slot, _| arrivals.push(Arrival { pixel: 0, slot, light: [light; 3] }));
             exposure.add_arrivals(arrivals);
         }
-        let mut film = Film::new([1, 1]).with_time(clock);
+        let mut film = Film::new([1, 1]).with_time(clock, &Storage::Memory).expect("memory");
         film.add_pass(&exposure);
         film
     }

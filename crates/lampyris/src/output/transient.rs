@@ -1,6 +1,6 @@
 //! Light by pixel and time in files: a NumPy array with a JSON file beside it, or both in one `.npz`.
 
-use std::io::{Cursor, Read, Write};
+use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-use super::atomic::{check_writable, write_whole};
+use super::atomic::{check_writable, write_whole, write_whole_by};
 use super::npy::{Array, encode_array};
 use super::read_whole;
 use crate::error::{Error, Place, Result, did_you_mean};
@@ -137,10 +137,13 @@ pub fn write_transient(path: &Path, transient: &Transient) -> Result<()> {
     match TransientFormat::of(path)? {
         TransientFormat::Npy => {
             // The array comes last: whoever sees it appear finds what it means.
-            write_whole(&sidecar_path(path), &encode_sidecar(transient, Layering::default())?)?;
+            write_whole(&sidecar_path(path), &encode_sidecar(&Facts::of(transient), Layering::default())?)?;
             write_whole(path, &encode_values(transient))
         }
-        TransientFormat::Npz => write_whole(path, &encode_npz(members(transient))?),
+        TransientFormat::Npz => {
+            let members = members(transient)?;
+            write_whole_by(path, |file| write_npz(file, &members))
+        }
     }
 }
 
@@ -149,7 +152,7 @@ pub fn write_transient(path: &Path, transient: &Transient) -> Result<()> {
 /// that has no file beside it; `layer` names a part of the light that has an array of its own.
 ///
 /// # Errors
-/// Another extension, a layer that is not there, an array of another shape or shorter than its shape, an axis that is missing or makes no sense, or
+/// Another extension, an axis that is given twice, a layer that is not there, an array of another shape or shorter than its shape, an axis that is missing or makes no sense, or
 /// what the operating system says.
 pub fn read_transient(path: &Path, layer: Option<&str>, otherwise: Option<Timing>) -> Result<Transient> {
     match TransientFormat::of(path)? {
@@ -164,7 +167,8 @@ pub fn read_transient(path: &Path, layer: Option<&str>, otherwise: Option<Timing
             let sidecar = sidecar_path(path);
             let bytes = read_whole(path)?;
             let meaning = match (read_whole(&sidecar), otherwise) {
-                (Ok(text), _) => decode_sidecar(&sidecar, &text)?,
+                (Ok(_), Some(_)) => return Err(known_axis(&sidecar)),
+                (Ok(text), None) => decode_sidecar(&sidecar, &text)?,
                 (Err(_), Some(timing)) if !sidecar.exists() => (timing, None),
                 (Err(error), _) if sidecar.exists() => return Err(error),
                 (Err(_), _) => return Err(no_axis(path, &sidecar)),
@@ -185,6 +189,11 @@ fn no_layer(layer: &str, sidecar: Option<Vec<u8>>) -> Error {
     })
 }
 
+fn known_axis(sidecar: &Path) -> Error {
+    Error::new(format!("'{}' tells what the bins are already", sidecar.display()))
+        .with_hint("leave --bin-width out, or change the file")
+}
+
 fn no_axis(path: &Path, sidecar: &Path) -> Error {
     Error::new(format!("'{}' does not say what its bins are: there is no '{}'", path.display(), sidecar.display()))
         .with_hint("write {\"start_opl\": 0, \"bin_width_opl\": 0.003} there, or give --bin-width")
@@ -199,15 +208,20 @@ pub fn write_phasors(path: &Path, phasors: &Phasors) -> Result<()> {
     if TransientFormat::of(path)? != TransientFormat::Npy {
         return Err(Error::new(format!("'{}' names no file for phasors", path.display())).with_hint("known is .npy"));
     }
-    let (array, sidecar) = encode_phasors(phasors, Layering::default());
-    write_whole(&sidecar_path(path), &sidecar)?;
-    write_whole(path, &array)
+    let Phasors { width, height, frequencies, start, values } = phasors;
+    let size = [*height, *width];
+    write_whole(&sidecar_path(path), &encode_phasor_sidecar(size, frequencies, *start, Layering::default()))?;
+    write_whole(path, &encode_array(&[*height, *width, frequencies.len(), 2], values))
 }
 
-/// The array and what stands beside it.
-pub(super) fn encode_phasors(phasors: &Phasors, layering: Layering<'_>) -> (Vec<u8>, Vec<u8>) {
-    let Phasors { width, height, frequencies, start, values } = phasors;
-    let shape = [*height, *width, frequencies.len(), 2];
+/// The JSON beside an array of amplitudes of so many rows and columns.
+pub(super) fn encode_phasor_sidecar(
+    [height, width]: [usize; 2],
+    frequencies: &[f64],
+    start: f64,
+    layering: Layering<'_>,
+) -> Vec<u8> {
+    let shape = [height, width, frequencies.len(), 2];
     let mut facts = serde_json::json!({ "frequencies": frequencies, "start_opl": start, "shape": shape });
     if let Some(layer) = layering.layer {
         facts["layer"] = layer.into();
@@ -215,16 +229,31 @@ pub(super) fn encode_phasors(phasors: &Phasors, layering: Layering<'_>) -> (Vec<
     if !layering.layers.is_empty() {
         facts["layers"] = layering.layers.into();
     }
-    (encode_array(&shape, values), format!("{facts:#}\n").into_bytes())
+    format!("{facts:#}\n").into_bytes()
 }
 
 pub(super) fn encode_values(transient: &Transient) -> Vec<u8> {
     encode_array(&[transient.height(), transient.width(), transient.bins(), 3], transient.values())
 }
 
+/// What is to be known of an array beside its values.
+pub(super) struct Facts<'a> {
+    pub timing: Timing,
+    /// Height, width and bins.
+    pub size: [usize; 3],
+    pub capture: Option<&'a Capture>,
+}
+
+impl<'a> Facts<'a> {
+    fn of(transient: &'a Transient) -> Facts<'a> {
+        let size = [transient.height(), transient.width(), transient.bins()];
+        Facts { timing: *transient.timing(), size, capture: transient.capture() }
+    }
+}
+
 /// The JSON beside an array.
-pub(super) fn encode_sidecar(transient: &Transient, layering: Layering<'_>) -> Result<Vec<u8>> {
-    let timing = transient.timing();
+pub(super) fn encode_sidecar(facts: &Facts<'_>, layering: Layering<'_>) -> Result<Vec<u8>> {
+    let (timing, [height, width, bins]) = (facts.timing, facts.size.map(|length| length as u64));
     let unit = UNITS.into_iter().find(|(_, metres)| SPEED_OF_LIGHT / metres == timing.light_speed);
     let sidecar = Sidecar {
         version: this_version(),
@@ -234,8 +263,8 @@ pub(super) fn encode_sidecar(transient: &Transient, layering: Layering<'_>) -> R
         c: Some(timing.light_speed),
         unwarp: timing.unwarp.name().into(),
         index: timing.index.name().into(),
-        shape: Some([transient.height() as u64, transient.width() as u64, transient.bins() as u64, 3]),
-        capture: transient.capture().cloned(),
+        shape: Some([height, width, bins, 3]),
+        capture: facts.capture.cloned(),
         layer: layering.layer.map(Into::into),
         layers: layering.layers.to_vec(),
     };
@@ -333,28 +362,43 @@ fn decode_values(bytes: &[u8], (timing, capture): Meaning) -> Result<Transient> 
     }
 }
 
-/// A file within another: its name and its bytes.
-type Member = Result<(String, Vec<u8>)>;
+/// Writes what a file holds.
+pub(super) type Content<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
 
-fn members(transient: &Transient) -> [Member; 2] {
-    let sidecar = encode_sidecar(transient, Layering::default());
-    [Ok((ARRAY.into(), encode_values(transient))), sidecar.map(|bytes| (SIDECAR.into(), bytes))]
+/// A file within another.
+pub(super) struct Member<'a> {
+    pub name: String,
+    /// Bytes that it has.
+    pub length: u64,
+    pub write: Box<Content<'a>>,
 }
 
-/// The members come one after the other, so that not all of them need be in memory at once.
-pub(super) fn encode_npz(members: impl IntoIterator<Item = Member>) -> Result<Vec<u8>> {
-    let unwritable = |error: ZipError| Error::new(format!("the light by time cannot be written as NPZ: {error}"));
-    let mut file = ZipWriter::new(Cursor::new(Vec::new()));
-    for member in members {
-        let (name, bytes) = member?;
+impl Member<'_> {
+    /// With these bytes.
+    pub(super) fn of_bytes<'a>(name: &str, bytes: Vec<u8>) -> Member<'a> {
+        let length = bytes.len() as u64;
+        Member { name: name.into(), length, write: Box::new(move |to| to.write_all(&bytes)) }
+    }
+}
+
+fn members(transient: &Transient) -> Result<[Member<'_>; 2]> {
+    let sidecar = encode_sidecar(&Facts::of(transient), Layering::default())?;
+    Ok([Member::of_bytes(ARRAY, encode_values(transient)), Member::of_bytes(SIDECAR, sidecar)])
+}
+
+/// The members are written one after the other, so that not all of them need be in memory at once.
+pub(super) fn write_npz(to: impl Write + Seek, members: &[Member<'_>]) -> io::Result<()> {
+    let mut file = ZipWriter::new(to);
+    for Member { name, length, write } in members {
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .compression_level(Some(1))
-            .large_file(bytes.len() > u32::MAX as usize);
-        file.start_file(name, options).map_err(unwritable)?;
-        file.write_all(&bytes).map_err(|error| unwritable(error.into()))?;
+            .large_file(*length > u64::from(u32::MAX));
+        file.start_file(name.as_str(), options)?;
+        write(&mut file)?;
     }
-    file.finish().map(Cursor::into_inner).map_err(unwritable)
+    file.finish()?;
+    Ok(())
 }
 
 fn decode_npz(bytes: &[u8], layer: Option<&str>, otherwise: Option<Timing>) -> Result<Transient> {
@@ -373,7 +417,8 @@ fn decode_npz(bytes: &[u8], layer: Option<&str>, otherwise: Option<Timing>) -> R
         Ok(Some(content))
     };
     let meaning = match (member(SIDECAR)?, otherwise) {
-        (Some(text), _) => decode_sidecar(Path::new(SIDECAR), &text)?,
+        (Some(_), Some(_)) => return Err(known_axis(Path::new(SIDECAR))),
+        (Some(text), None) => decode_sidecar(Path::new(SIDECAR), &text)?,
         (None, Some(timing)) => (timing, None),
         (None, None) => {
             return Err(Error::new(format!("the NPZ file does not say what its bins are: it has no {SIDECAR}"))
@@ -431,8 +476,14 @@ mod tests {
         Transient::from_values((2, 3, 2), Timing::new(1.5, 0.25), values).expect("36 values")
     }
 
+    fn encode_npz(transient: &Transient) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        write_npz(&mut file, &members(transient).expect("an axis")).expect("memory");
+        file.into_inner()
+    }
+
     fn files() -> [(TransientFormat, Vec<u8>); 2] {
-        let npz = encode_npz(members(&sample())).expect("encodes");
+        let npz = encode_npz(&sample());
         [(TransientFormat::Npy, encode_values(&sample())), (TransientFormat::Npz, npz)]
     }
 
@@ -537,7 +588,7 @@ mod tests {
             t_accounts_first_and_last_bounces: false,
         };
         let transient = sample().with_capture(capture.clone()).expect("it fits");
-        let npz = encode_npz(members(&transient)).expect("encodes");
+        let npz = encode_npz(&transient);
         assert_eq!(decode(TransientFormat::Npz, &npz).expect("read").capture(), Some(&capture));
         for broken in [
             Capture { sensor_grid_xyz: grid[..2].to_vec(), ..capture.clone() },

@@ -28,6 +28,17 @@ impl VideoFormat {
     }
 }
 
+/// Fails if a film cannot have so many pictures a second.
+///
+/// # Errors
+/// A rate that is not between 0.1 and 240.
+pub fn check_frame_rate(frames_per_second: f64) -> Result<()> {
+    match (0.1..=240.0).contains(&frames_per_second) {
+        true => Ok(()),
+        false => Err(Error::new(format!("a film has between 0.1 and 240 pictures a second, not {frames_per_second}"))),
+    }
+}
+
 /// The bytes of a film that goes on for ever, of pictures of one size in linear display light.
 ///
 /// # Errors
@@ -37,9 +48,7 @@ pub fn encode_video(
     frames_per_second: f64,
     frames: impl ExactSizeIterator<Item = Image>,
 ) -> Result<Vec<u8>> {
-    if !(0.1..=240.0).contains(&frames_per_second) {
-        return Err(Error::new(format!("a film has between 0.1 and 240 pictures a second, not {frames_per_second}")));
-    }
+    check_frame_rate(frames_per_second)?;
     let mut frames = frames.peekable();
     let Some(first) = frames.peek() else { return Err(Error::new("a film needs at least one picture")) };
     let size = (first.width(), first.height());

@@ -6,6 +6,9 @@ use super::Transient;
 use crate::error::{Error, Result};
 use crate::image::luminance;
 
+/// Values of waves, at all bins, that are kept at a time.
+const WAVES: usize = 1 << 20;
+
 /// Complex amplitudes by pixel and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phasors {
@@ -36,18 +39,21 @@ impl Transient {
             return Err(Error::new("there must be at least one frequency"));
         }
         let width = self.axis().bin_width;
-        let waves: Vec<Vec<[f64; 2]>> = frequencies
-            .iter()
-            .map(|frequency| (0..self.bins()).map(|bin| phase(*frequency, width * (bin as f64 + 0.5))).collect())
-            .collect();
-        let transformed = |profile: &[f32]| -> Vec<f32> {
-            let light: Vec<f64> = profile.chunks_exact(3).map(|v| luminance([v[0], v[1], v[2]]).into()).collect();
-            let sums = waves.iter().flat_map(|wave| {
-                [0, 1].map(|part| wave.iter().zip(&light).map(|(w, l)| w[part] * l).sum::<f64>() as f32)
+        let mut values = vec![0.0; 2 * frequencies.len() * self.width() * self.height()];
+        // A few waves at a time: all of them could take far more memory than the light.
+        let few = (WAVES / self.bins()).max(1);
+        for (some, first) in frequencies.chunks(few).zip((0..).step_by(few)) {
+            let at = |frequency: f64| (0..self.bins()).map(move |bin| phase(frequency, width * (bin as f64 + 0.5)));
+            let waves: Vec<Vec<[f64; 2]>> = some.iter().map(|&frequency| at(frequency).collect()).collect();
+            let pixels = values.par_chunks_exact_mut(2 * frequencies.len());
+            pixels.zip(self.values().par_chunks_exact(3 * self.bins())).for_each(|(out, profile)| {
+                let light: Vec<f64> = profile.chunks_exact(3).map(|v| luminance([v[0], v[1], v[2]]).into()).collect();
+                for (out, wave) in out[2 * first..].chunks_exact_mut(2).zip(&waves) {
+                    let sum = |part: usize| wave.iter().zip(&light).map(|(w, l)| w[part] * l).sum::<f64>() as f32;
+                    out.copy_from_slice(&[0, 1].map(sum));
+                }
             });
-            sums.collect()
-        };
-        let values = self.values().par_chunks_exact(3 * self.bins()).flat_map_iter(transformed).collect();
+        }
         let (start, frequencies) = (self.axis().start, frequencies.to_vec());
         Ok(Phasors { width: self.width(), height: self.height(), frequencies, start, values })
     }
@@ -116,6 +122,13 @@ mod tests {
                 "{frequency}: {value:?} {expected:?}"
             );
         }
+    }
+
+    #[test]
+    fn more_frequencies_than_are_taken_at_a_time_make_no_difference() {
+        let transient = pulse_in(700_000, 800_000);
+        let [several, alone] = [&[0.001, 0.2, 3.0][..], &[3.0]].map(|some| transient.phasors(some).expect("finite"));
+        assert_eq!(several.values[4..], alone.values[..]);
     }
 
     #[test]

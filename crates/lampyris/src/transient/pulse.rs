@@ -54,7 +54,10 @@ impl Table {
             )));
         }
         let area: f64 = points.windows(2).map(|p| (p[1].0 - p[0].0) * (p[0].1 + p[1].1) / 2.0).sum();
-        if !(area > 0.0 && area.is_finite()) {
+        if !area.is_finite() {
+            return Err(Error::new("the path lengths and strengths of a pulse are too large"));
+        }
+        if area == 0.0 {
             return Err(Error::new("a pulse must have a strength above 0 somewhere"));
         }
         Ok(Table { points: points.into_iter().map(|(at, strength)| (at, strength / area)).collect() })
@@ -285,6 +288,8 @@ mod tests {
         ] {
             assert!(Table::new(points).is_err());
         }
+        let large = Table::new(vec![(-1e308, 1e308), (1e308, 1.0)]).expect_err("an area that is infinite").to_string();
+        assert!(large.contains("too large"), "{large}");
         assert!(Pulse::Gaussian { fwhm: -1.0 }.check().is_err());
         assert!(Pulse::ModifiedGaussian { sigma: 1.0, tail: f64::NAN }.check().is_err());
     }

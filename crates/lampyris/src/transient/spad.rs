@@ -183,7 +183,7 @@ fn first_detections(rates: &[f64], pulses: u64, sampler: Sampler) -> Result<Vec<
 }
 
 fn too_bright(rate: f64) -> Error {
-    Error::new(format!("a bin with {rate} detections a flash cannot be counted")).with_hint("lower the efficiency")
+    Error::new(format!("a bin with {rate:e} detections a flash cannot be counted")).with_hint("lower the efficiency")
 }
 
 #[cfg(test)]

@@ -48,7 +48,8 @@ impl TimeOfFlight {
     }
 
     /// The depth that such a camera takes its pixels to have: Λφ/4π with φ = atan2(Q₁ - Q₃, Q₀ - Q₂) in 0..2π, half of the
-    /// path there and back; in scene units, from 0 to before [`TimeOfFlight::range`], and infinite where it is dark. Where light
+    /// path there and back; in scene units, from 0 to before [`TimeOfFlight::range`], and infinite where it is dark or light is not
+    /// finite. Where light
     /// comes by several ways it is none of their lengths, as in a real camera.
     pub fn depths(&self, transient: &Transient) -> Image {
         transient.picture(|profile| {
@@ -66,7 +67,8 @@ impl TimeOfFlight {
     }
 
     fn depth(&self, sine: f64, cosine: f64) -> f64 {
-        if sine == 0.0 && cosine == 0.0 {
+        // Of what is no number, nothing can be told either.
+        if sine == 0.0 && cosine == 0.0 || !(sine.is_finite() && cosine.is_finite()) {
             return f64::INFINITY;
         }
         let turns = (sine.atan2(cosine) / (2.0 * std::f64::consts::PI)).rem_euclid(1.0);
@@ -120,6 +122,14 @@ mod tests {
             TimeOfFlight { wavelength: 0.3, contrast: 0.8 }.buckets(&transient, transient.profile(4, 0));
         let light = f64::from(luminance([3.0; 3]));
         assert!((q0 + q2 - light).abs() < 1e-12 && (q1 + q3 - light).abs() < 1e-12);
+    }
+
+    #[test]
+    fn light_that_is_no_number_has_no_depth() {
+        for value in [f32::NAN, f32::INFINITY] {
+            let light = Transient::from_values((1, 1, 1), Timing::new(0.0, 1.0), vec![value; 3]).expect("a pixel");
+            assert_eq!(TimeOfFlight { wavelength: 2.0, contrast: 1.0 }.depths(&light).pixels(), [[f32::INFINITY; 3]]);
+        }
     }
 
     #[test]

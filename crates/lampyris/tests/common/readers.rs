@@ -19,10 +19,10 @@ use lampyris::render::Render;
 use lampyris::scene::build;
 use lampyris::scene::description::{CameraDescription, FilterDescription, IntegratorDescription, SceneDescription};
 use lampyris::tonemap::ToneMap;
-use lampyris::transient::{Pulse, Spad, TimeOfFlight, Timing};
+use lampyris::transient::{Pulse, Spad, TimeLayer, TimeOfFlight, Timing};
 
 /// The readers, by the names of their fuzz targets and of the folders of their corpora.
-pub const READERS: [&str; 14] = [
+pub const READERS: [&str; 15] = [
     "toml",
     "mitsuba",
     "pbrt",
@@ -31,6 +31,7 @@ pub const READERS: [&str; 14] = [
     "ply",
     "stl",
     "serialized",
+    "vol",
     "texture",
     "picture",
     "film",
@@ -82,6 +83,7 @@ impl Workbench {
             "ply" => self.scene("a.ply", bytes),
             "stl" => self.scene("a.stl", bytes),
             "serialized" => self.used("a.serialized", bytes, SERIALIZED_USER),
+            "vol" => self.used("a.vol", bytes, VOL_USER),
             "spectrum" => self.used("a.spd", bytes, SPECTRUM_USER),
             "texture" => self.texture(bytes),
             "picture" => self.picture(bytes),
@@ -145,7 +147,9 @@ impl Workbench {
         let transient = match bytes {
             [b'P', b'K', ..] => {
                 self.put("a.npz", bytes)?;
-                read_transient(&self.folder.join("a.npz"), None, Some(Timing::new(0.0, 1.0)))?
+                let archive = self.folder.join("a.npz");
+                read_transient(&archive, None, None)
+                    .or_else(|_| read_transient(&archive, None, Some(Timing::new(0.0, 1.0))))?
             }
             [b'{', ..] => {
                 self.put("a.npy", LIGHT_BY_TIME)?;
@@ -213,6 +217,11 @@ fn film(bytes: &[u8]) -> Result<()> {
     let mut film = Checkpoint::decode(&sealed)?;
     let read = film.film();
     let _ = (read.image(), read.relative_error(), Layer::ALL.map(|layer| read.layer(layer)));
+    let _ = (read.bins(0), read.outside_bins(0), read.variance_of_bins(0), read.share_outside_bins());
+    for layer in [None, Some(TimeLayer::MoreBounces)] {
+        let _ = (read.transient(layer), read.phasors(layer));
+    }
+    Checkpoint::read_picture(&mut sealed.as_slice(), sealed.len() as u64)?;
     let _ = film.merge(&film.clone());
     Checkpoint::decode(&film.encode()).map(drop)
 }
@@ -234,6 +243,11 @@ fn settings(bytes: &[u8]) -> Result<()> {
 fn make_small(description: &mut SceneDescription) {
     description.film.size = [4, 4];
     description.film.filter = FilterDescription::default();
+    if let Some(time) = &mut description.film.time {
+        time.bins = time.bins.min(64);
+        time.bounces = time.bounces.map(|bounces| bounces.min(16));
+        time.frequencies.truncate(64);
+    }
     match &mut description.integrator {
         IntegratorDescription::Auto(settings) => {
             settings.photons = Some(settings.photons.unwrap_or(64).min(64));
@@ -264,6 +278,16 @@ const SERIALIZED_USER: &str = r#"<scene version="3.0.0"><emitter type="constant"
 <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
 <shape type="serialized"><string name="filename" value="a.serialized"/></shape>
 <shape type="serialized"><string name="filename" value="a.serialized"/><integer name="shape_index" value="1"/></shape>
+</scene>"#;
+
+const VOL_USER: &str = r#"<scene version="3.0.0"><emitter type="constant"/>
+<sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
+<shape type="sphere"><bsdf type="null"/><medium name="interior" type="heterogeneous">
+ <volume name="sigma_t" type="gridvolume"><string name="filename" value="a.vol"/></volume>
+ <volume name="albedo" type="gridvolume"><string name="filename" value="a.vol"/></volume></medium></shape>
+<shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous">
+ <volume name="sigma_t" type="gridvolume"><string name="filename" value="a.vol"/><boolean name="use_grid_bbox" value="true"/>
+  <string name="filter_type" value="nearest"/></volume></medium></shape>
 </scene>"#;
 
 const SPECTRUM_USER: &str = r#"<scene version="3.0.0">

@@ -70,10 +70,11 @@ impl Importer<'_> {
             return Ok(Some(name.clone()));
         }
         let query = self.query(object);
-        let number = self.media.len() + 1;
-        let name = query.object.id.clone().unwrap_or_else(|| format!("medium-{number}"));
+        let is_taken = |name: &str| self.media.values().any(|other| other == name);
         // "clear" is our word for no medium.
-        let name = if name == "clear" { format!("medium-{number}") } else { name };
+        let own = query.object.id.clone().filter(|id| id != "clear" && !is_taken(id));
+        let mut numbered = (self.media.len() + 1..).map(|number| format!("medium-{number}"));
+        let Some(name) = own.or_else(|| numbered.find(|name| !is_taken(name))) else { return Ok(None) };
         let medium = match query.object.plugin.as_str() {
             "homogeneous" => self.homogeneous(query)?,
             "heterogeneous" => self.heterogeneous(query)?,

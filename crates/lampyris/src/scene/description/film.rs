@@ -54,8 +54,6 @@ pub struct TimeDescription {
     pub phasor: Option<PhasorDescription>,
     /// Keeps complex amplitudes in place of bins, for these frequencies, in cycles per scene unit.
     pub frequencies: Vec<f64>,
-    /// Most memory that the bins may take, in GiB (default 8).
-    pub memory_limit: f64,
 }
 
 impl Default for TimeDescription {
@@ -73,7 +71,6 @@ impl Default for TimeDescription {
             bounces: None,
             phasor: None,
             frequencies: Vec::new(),
-            memory_limit: 8.0,
         }
     }
 }
@@ -120,18 +117,21 @@ impl TimeDescription {
         TimeLayers::new(&self.layers, self.bounces)
     }
 
-    /// Most bytes that the bins, or the amplitudes, of a picture of this size take while it is rendered, for all light and for
-    /// each layer: exact sums of three channels, or four with the variance, and what arrives in one pass, twice.
+    /// Bytes that the bins, or the amplitudes, of a picture of this size take while it is rendered, for all light and for each
+    /// layer: exact sums of three channels, or four with the variance.
     pub fn bytes(&self, [width, height]: [u32; 2]) -> f64 {
         const SUM: f64 = 17.0;
-        const ARRIVAL: f64 = 20.0;
         let sums = if self.variance { 4.0 } else { 3.0 };
+        f64::from(width) * f64::from(height) * self.slots() * sums * SUM
+    }
+
+    /// What a pixel has room for, for all light and for each layer.
+    pub(crate) fn slots(&self) -> f64 {
         let each = match self.amplitudes() {
             Ok(frequencies) if !frequencies.is_empty() => 2.0 * frequencies.len() as f64,
             _ => f64::from(self.bins) + 2.0,
         };
-        let slots = each * (1.0 + self.layers().count() as f64);
-        f64::from(width) * f64::from(height) * slots * (sums * SUM + 2.0 * ARRIVAL)
+        each * (1.0 + self.layers().count() as f64)
     }
 
     /// Sets both, as optical path lengths in scene units.

@@ -145,29 +145,25 @@ fn time(time: &TimeDescription, size: [u32; 2]) -> Result<()> {
         }
     }
     amplitudes(time)?;
-    let limit = time.memory_limit;
-    if !(limit.is_finite() && limit > 0.0) {
-        let message = format!("'memory-limit' must be greater than 0 and finite, not {limit}");
-        return Err(Error::at_key("film.time.memory-limit", message));
-    }
-    let (gib, [width, height]) = (time.bytes(size) / GIB, size);
-    if gib > limit {
+    let (bytes, [width, height]) = (time.bytes(size), size);
+    if bytes > MOST_BYTES || time.slots() > f64::from(u32::MAX) {
         let kept = match time.amplitudes() {
             Ok(frequencies) if !frequencies.is_empty() => format!("{} frequencies", frequencies.len()),
             _ => format!("{} time bins", time.bins),
         };
-        let message = format!("{kept} of {width}×{height} pixels take {gib:.1} GiB, more than the {limit} allowed");
+        let tib = bytes / f64::from(1_u32 << 20).powi(2);
+        let message = format!("{kept} of {width}×{height} pixels take {tib:.1} TiB, more than a program can have");
         let message = match time.layers().count() {
             0 => message,
             count => format!("{message}, once for all light and once for each of {count} layers"),
         };
-        return Err(Error::at_key("film.time.bins", message)
-            .with_hint("keep fewer bins, layers or pixels, or set film.time.memory-limit, in GiB"));
+        return Err(Error::at_key("film.time.bins", message).with_hint("keep fewer bins, layers or pixels"));
     }
     Ok(())
 }
 
-const GIB: f64 = (1_u64 << 30) as f64;
+/// What processors can address of a program, in bytes: 47 bits.
+const MOST_BYTES: f64 = (1_u64 << 47) as f64;
 
 fn render(render: &RenderDescription) -> Result<()> {
     render.passes.map_or(Ok(()), |passes| at_least_one("render.passes", passes))
@@ -309,9 +305,9 @@ mod tests {
         timed(|_| {}).check_settings().expect("the defaults are small enough");
         fails(&timed(|time| time.bins = 0), "film.time.bins", "'bins' must be at least 1");
         fails(
-            &timed(|time| time.bins = 4096),
+            &timed(|time| time.bins = 1 << 24),
             "film.time.bins",
-            "4096 time bins of 512×512 pixels take 91.0 GiB, more than the 8 allowed",
+            "16777216 time bins of 512×512 pixels take 204.0 TiB, more than a program can have",
         );
         fails(
             &timed(|time| time.bin_width = Some(-1.0)),

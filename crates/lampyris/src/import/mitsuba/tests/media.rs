@@ -57,6 +57,24 @@ fn what_the_sensor_stands_in_is_around_everything_unless_a_shape_holds_it() {
 }
 
 #[test]
+fn a_medium_without_a_name_does_not_take_that_of_another() {
+    let medium = |id: &str, scale: u32| {
+        let inner =
+            format!("<medium type='homogeneous' name='interior' {id}><float name='scale' value='{scale}'/></medium>");
+        format!("<shape type='sphere'>{inner}</shape>")
+    };
+    // The names that media without one have are those of their numbers.
+    let shapes = [medium("id='medium-2'", 1), medium("", 2), medium("", 3), medium("id='medium-4'", 4)].concat();
+    let description = media(&shapes);
+    assert_eq!(description.media.len(), 4, "{:?}", description.media.keys());
+    for (shape, expected) in description.shapes.iter().zip([1.0, 2.0, 3.0, 4.0]) {
+        let name = shape.interior.as_deref().expect("a medium");
+        let MediumDescription::Homogeneous { scale, .. } = description.media[name] else { panic!("not homogeneous") };
+        assert_eq!(scale, expected, "{name}");
+    }
+}
+
+#[test]
 fn faults_in_media_have_a_place() {
     for content in [
         "<shape type='cube'><medium type='homogeneous' name='interior'><phase type='hg'><float name='g' value='1'/></phase></medium></shape>",

@@ -1,0 +1,3 @@
+#![no_main]
+
+lampyris_fuzz::target!("vol");
