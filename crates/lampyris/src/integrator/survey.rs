@@ -31,7 +31,7 @@ const SHADOW_RAYS: u32 = 4;
 
 /// A group of points is parted in two where so many shadow rays brought something; and what the larger group that holds it
 /// saw of a part of the lights counts as so many more of its own.
-const ENOUGH: usize = 16;
+const ENOUGH: usize = 64;
 const PRIOR: f32 = 1.0;
 /// The most often that all points are parted, and the most weights in all.
 const DEPTH: u32 = 24;

@@ -74,8 +74,9 @@ fn share(starts: &Row, part: usize) -> f32 {
 #[inline]
 fn choose(starts: &Row, u: f32) -> (usize, f32, f32) {
     let at = u * WHOLE;
-    let not_above = starts.iter().map(|&start| usize::from(f32::from(start) <= at)).sum::<usize>();
-    let part = not_above.max(1) - 1;
+    let whole = at as u16;
+    let not_above: u16 = starts.iter().map(|&start| u16::from(start <= whole)).sum();
+    let part = usize::from(not_above.max(1) - 1);
     let share = share(starts, part);
     (part, share, ((at - f32::from(starts[part])) / share).clamp(0.0, 1.0))
 }
