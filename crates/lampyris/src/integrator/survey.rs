@@ -26,13 +26,15 @@ const PATHS: [f32; 2] = [8192.0, 65_536.0];
 const ROUNDS: [f32; 4] = [0.125, 0.125, 0.25, 0.5];
 /// Paths that one thread follows before another may go on.
 const GROUP: u64 = 256;
-/// Shadow rays from each point.
+/// Shadow rays from each point, of those that a path reaches within so many scattering events: beyond, there are more of the
+/// same, and each is a number to remember.
 const SHADOW_RAYS: u32 = 4;
+const DEEPEST: u32 = 12;
 
 /// A group of points is parted in two where so many shadow rays brought something; and what the larger group that holds it
 /// saw of a part of the lights counts as so many more of its own.
 const ENOUGH: usize = 64;
-const PRIOR: f32 = 1.0;
+const PRIOR: f64 = 1.0;
 /// The most often that all points are parted, and the most weights in all.
 const DEPTH: u32 = 24;
 const WEIGHTS: usize = 1 << 22;
@@ -70,6 +72,7 @@ pub(super) fn survey(
         return None;
     }
     observer.phase(Phase::Pilot);
+    let max_bounces = max_bounces.min(DEEPEST);
     let size = Vec2::new(film.size[0] as f32, film.size[1] as f32);
     let paths = (PATHS_PER_PIXEL * size.x * size.y).clamp(PATHS[0], PATHS[1]);
     let (mut shots, mut seen): (Vec<Shot>, Option<Sightings>) = (Vec::new(), None);
@@ -201,7 +204,7 @@ struct Growing<'a> {
 
 impl Growing<'_> {
     /// Adds a node for these shots, which are some of those that saw so much. Returns its number.
-    fn grow(&mut self, shots: Vec<&Shot>, of_all: &[f32], depth: u32) -> u32 {
+    fn grow(&mut self, shots: Vec<&Shot>, of_all: &[f64], depth: u32) -> u32 {
         let seen = mean_squares(&shots, self.parts, of_all);
         let number = self.nodes.len();
         self.nodes.push(Node::Vista(self.vistas.len() as u32));
@@ -219,19 +222,21 @@ impl Growing<'_> {
             }
         }
         // The least variance of parts that are each shot at evenly.
-        self.vistas.push(seen.iter().zip(self.shares).map(|(square, share)| share * square.sqrt()).collect());
+        let weights = || seen.iter().zip(self.shares).map(|(square, &share)| f64::from(share) * square.sqrt());
+        let largest = weights().fold(f64::MIN_POSITIVE, f64::max);
+        self.vistas.push(weights().map(|weight| (weight / largest) as f32).collect());
         number as u32
     }
 }
 
 /// The mean square of what comes from each part of the lights, by the shots at it, and by what more of them saw.
-fn mean_squares(shots: &[&Shot], parts: &Parts, of_all: &[f32]) -> Vec<f32> {
+fn mean_squares(shots: &[&Shot], parts: &Parts, of_all: &[f64]) -> Vec<f64> {
     let (mut sums, mut counts) = (vec![0.0; parts.len()], vec![0.0; parts.len()]);
     for shot in shots {
-        sums[shot.part as usize] += shot.came.powi(2);
+        sums[shot.part as usize] += f64::from(shot.came).powi(2);
         counts[shot.part as usize] += 1.0;
     }
     let [sums, counts] = [sums, counts].map(|numbers| parts.blurred(&numbers));
-    let mean = |((sum, count), of_all): ((f32, f32), &f32)| (sum + PRIOR * of_all) / (count + PRIOR);
+    let mean = |((sum, count), of_all): ((f64, f64), &f64)| (sum + PRIOR * of_all) / (count + PRIOR);
     sums.into_iter().zip(counts).zip(of_all).map(mean).collect()
 }

@@ -52,7 +52,7 @@ pub enum Node {
 pub struct Sightings {
     /// By way to face.
     pub trees: [Vec<Node>; SIDES],
-    /// Weights, in any unit.
+    /// Weights, 0 to 1.
     pub vistas: Vec<Vec<f32>>,
 }
 
@@ -112,7 +112,7 @@ impl Parts {
     }
 
     /// Numbers of all parts, where each that lies on a light among others has become the mean of those around it.
-    pub fn blurred(&self, of_parts: &[f32]) -> Vec<f32> {
+    pub fn blurred(&self, of_parts: &[f64]) -> Vec<f64> {
         let mut blurred = of_parts.to_vec();
         for light in self.first.windows(2).filter(|light| light[1] - light[0] == CELLS) {
             let cells = &of_parts[light[0]..light[1]];
@@ -162,7 +162,7 @@ fn cell(place: Vec2) -> usize {
 impl Sightings {
     /// Whether it can have been learned of lights with so many parts.
     pub fn is_fit(&self, parts: &Parts) -> bool {
-        let weight = |weight: &f32| weight.is_finite() && *weight >= 0.0;
+        let weight = |weight: &f32| (0.0..=1.0).contains(weight);
         let node = |number: usize, node: &Node, nodes: usize| match *node {
             // Children come later, so that every way through the tree ends.
             Node::Split { axis, at, children } => {

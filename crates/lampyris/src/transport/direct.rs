@@ -10,8 +10,8 @@ use crate::spectrum::Spectrum;
 const NOTHING: (Spectrum, f32) = (Spectrum::ZERO, 0.0);
 
 /// Radiance that the smooth lobes at `point`, from where one sees this of the lights, reflect from one of them, chosen at
-/// random, back along the path (theory §4.3), times a weight against other ways of finding the same light; with the distance that it came, in scene
-/// units times how much slower light is on its side than on the side of the path.
+/// random, back along the path (theory §4.3), times a weight against other ways of finding the same light; with the distance
+/// that it came, in scene units times how much slower light is on its side than on the side of the path.
 pub fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,

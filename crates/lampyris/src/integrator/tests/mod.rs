@@ -69,7 +69,7 @@ fn guide(scene: &Scene) -> Guide {
 /// Shoots at some lights, and parts of them, more than at others, and otherwise to the left than to the right.
 fn sightings(scene: &Scene) -> Sightings {
     let parts = scene.parts_of_lights().len();
-    let vista = |vista: usize| (0..parts).map(|part| ((vista + 3 * part) % 7) as f32).collect();
+    let vista = |vista: usize| (0..parts).map(|part| ((vista + 3 * part) % 7) as f32 / 6.0).collect();
     let split = |side: u32| {
         let root = Node::Split { axis: 0, at: 0.05, children: [1, 2] };
         vec![root, Node::Vista(2 * side), Node::Vista(2 * side + 1)]
