@@ -3,12 +3,16 @@
 
     pip install mitransient 'mitsuba==3.8.*'     (DRJIT_LIBLLVM_PATH must name an LLVM library)
     python scripts/agree_with_mitransient.py SCENE.xml [--size 64] [--samples 256] [--runs 16] [--integrator path] [--define NAME=VALUE]...
-        [--set KEY=VALUE]...
+        [--set KEY=VALUE]... [--reference PASSES]
 
 Both load the same file, with its parameter `res` for the size. Bins are compared in blocks of 8x8 pixels, where light fell in
 at least half of the runs of both. The noise is relMSE, the mean over bins of the variance between a program's runs over
 (mean^2 + 0.01 m^2), with m the mean of all bins that have light; seconds are those of the processor. What photon mapping blurs
 is no noise: it is how far the means are apart.
+
+The mean of few runs is too small where light is rare, and so is relMSE with it. With --reference, r is a render of so many passes of
+`auto` with a seed of its own instead, and relMSE the mean of (x - r)^2 / (r^2 + 0.01 m^2): all that is wrong, blur, too,
+and what is wrong with the reference.
 """
 
 import argparse
@@ -37,21 +41,25 @@ def theirs(options):
     return np.array(found), (time.process_time() - start) / options.runs
 
 
-def ours(options):
-    found, seconds = [], 0.0
+def film(options, integrator, passes, seed, settings):
     with tempfile.TemporaryDirectory() as folder:
-        film = Path(folder) / "film.npy"
-        for seed in range(options.runs):
-            command = [options.lampyris, "render", options.scene, "--define", f"res={options.size}", "--quiet"]
-            command += [part for define in options.define for part in ("--define", define)]
-            command += ["--integrator", options.integrator, "--passes", str(options.passes or options.samples)]
-            command += [part for each in options.set for part in ("--set", each)]
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run(command + ["--seed", str(seed), "-o", film], check=True, stderr=subprocess.DEVNULL)
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            seconds += after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-            found.append(np.load(film))
-    return np.array(found), seconds / options.runs
+        path = Path(folder) / "film.npy"
+        command = [options.lampyris, "render", options.scene, "--define", f"res={options.size}", "--quiet"]
+        command += [part for define in options.define for part in ("--define", define)]
+        command += ["--integrator", integrator, "--passes", str(passes), "--seed", str(seed), "-o", path]
+        command += [part for each in settings for part in ("--set", each)]
+        subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+        return np.load(path)
+
+
+def ours(options):
+    def seconds():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    passes, before = options.passes or options.samples, seconds()
+    found = [film(options, options.integrator, passes, seed, options.set) for seed in range(options.runs)]
+    return np.array(found), (seconds() - before) / options.runs
 
 
 def blocks(runs):
@@ -78,6 +86,7 @@ def main():
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--define", action="append", default=[], help="NAME=VALUE, of a parameter of the scene")
     parser.add_argument("--set", action="append", default=[], help="KEY=VALUE, of a setting of Lampyris")
+    parser.add_argument("--reference", type=int, metavar="PASSES", help="of a reference to judge errors by")
     parser.add_argument("--lampyris", default="target/release/lampyris")
     options = parser.parse_args()
     names = ["Lampyris", "mitransient"]
@@ -96,9 +105,12 @@ def main():
     early = [(each > 0).any((0, 1, 2, 4)).argmax() for each in runs]
     print(f"first bin with light: {early[0]} and {early[1]}")
     mean = sum(each.mean(0) for each in runs) / 2
+    if options.reference:
+        mean = film(options, "auto", options.reference, 1000, []).astype(np.float64)
     scale = 0.01 * mean[mean > 0].mean() ** 2
     for name, each, spent in zip(names, runs, seconds):
-        noise = (each.var(0, ddof=1) / (mean**2 + scale))[mean > 0].mean()
+        wrong = sum((run - mean) ** 2 for run in each) / len(each) if options.reference else each.var(0, ddof=1)
+        noise = (wrong / (mean**2 + scale))[mean > 0].mean()
         print(f"{name}: {spent:.2f} CPU s, relMSE {noise:.4f}, times each other {spent * noise:.4f}")
     apart = (runs[0].mean(0) - runs[1].mean(0)) ** 2 - sum(each.var(0, ddof=1) / len(each) for each in runs)
     print(f"the means apart, without what noise explains: relMSE {(apart / (mean**2 + scale))[mean > 0].mean():.4f}")

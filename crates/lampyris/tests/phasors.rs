@@ -62,7 +62,8 @@ const ROOM: &str = "
 
 const WAYS: [&str; 4] = [
     "integrator=path",
-    "integrator=auto photons=2000 filter=tent",
+    // Without a radius, it would go by the bins.
+    "integrator=auto photons=2000 radius=3 filter=tent",
     "integrator=photon-map photons=2000 k=20",
     "integrator=light photons=2000 filter=gaussian",
 ];

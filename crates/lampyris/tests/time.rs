@@ -63,7 +63,8 @@ fn shortest() -> f64 {
 
 const WAYS: [&str; 6] = [
     "integrator=path",
-    "integrator=auto photons=2000",
+    // Without a radius, it would go by the bins.
+    "integrator=auto photons=2000 radius=3",
     "integrator=photon-map photons=2000 k=20",
     "integrator=photon-map photons=2000 bandwidth=nearest k=20 direct=photons filter=tent",
     "integrator=light photons=2000 filter=gaussian",

@@ -6,6 +6,7 @@
 //! are and what is in them depend on the set of values alone. What is dropped is less than 2⁻⁴⁰ of the largest value, for
 //! each value. [Demmel & Nguyen 2015] sum likewise; their bins carry, ours are wide enough not to.
 
+use std::hint::black_box;
 use std::io::{self, Read, Write};
 
 use rayon::prelude::*;
@@ -52,6 +53,9 @@ struct Sum<'a> {
 /// How many sums a thread takes at a time.
 const CHUNK: usize = 1 << 14;
 
+/// How many items it looks ahead.
+const AHEAD: usize = 32;
+
 impl ExactSums {
     /// So many sums of nothing, in memory.
     pub(super) fn new(count: usize) -> ExactSums {
@@ -93,10 +97,15 @@ impl ExactSums {
         let add = |number_of_chunk: usize, high: &mut [i64], low: &mut [i64], top: &mut [u8]| {
             let first = number_of_chunk * CHUNK;
             let from = items.partition_point(|item| number(item) < first);
-            for item in items[from..].iter().take_while(|item| number(item) < first + CHUNK) {
-                for index in 0..group {
-                    let at = group * (number(item) - first) + index;
-                    Sum { high: &mut high[at], low: &mut low[at], top: &mut top[at] }.add(value(item, index));
+            let to = from + items[from..].partition_point(|item| number(item) < first + CHUNK);
+            for some in items[from..to].chunks(AHEAD) {
+                let at = |item: &T| group * (number(item) - first);
+                // Waits for the memory of all of them at once, and not for that of one after the other.
+                black_box(some.iter().map(at).fold(0, |any, at| any ^ high[at] ^ low[at] ^ i64::from(top[at])));
+                for item in some {
+                    for (index, at) in (at(item)..at(item) + group).enumerate() {
+                        Sum { high: &mut high[at], low: &mut low[at], top: &mut top[at] }.add(value(item, index));
+                    }
                 }
             }
         };

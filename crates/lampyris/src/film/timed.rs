@@ -159,7 +159,13 @@ impl Sink for Timed<'_> {
 
     fn take(&mut self, other: &Self, share: f32) {
         self.layered.take(&other.layered, share);
-        other.arrivals.iter().for_each(|&(slot, light)| self.push(slot, light * share));
+        let arrivals = other.arrivals.iter().map(|&(slot, light)| (slot, light * share));
+        if self.arrivals.is_empty() {
+            self.arrivals.extend(arrivals);
+            self.settled = self.arrivals.len();
+        } else {
+            arrivals.for_each(|(slot, light)| self.push(slot, light));
+        }
     }
 
     fn radiance(&self) -> Spectrum {

@@ -46,10 +46,12 @@ struct Pilot {
     first: f32,
     /// The radius on all further surfaces, in scene units.
     further: f32,
-    /// The nearest of so many photons are enough.
-    nearest: u32,
     /// How many photons are typically found in these.
     counts: [f32; 2],
+    /// So many times as many light paths as usual, at least once.
+    times: f32,
+    /// Over how many time bins the light of photons at one place is spread.
+    bins: f32,
     /// How far photons stand for paths that go on, 0 to 1.
     useful: f32,
     /// Where photons leave for.
@@ -61,12 +63,12 @@ struct Pilot {
 }
 
 /// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
-/// are more photons in all than usual, of more of them.
-const NEAREST: u32 = 20;
+/// are more photons in all than usual, or their light is spread over time bins, of more of them.
+const NEAREST: f32 = 20.0;
 /// On the first surface, the radius is so large that it typically holds that many photons, but never less or more than so
 /// many pixels; and on all further ones, where what it blurs is not seen, so large that it holds this many.
 const FIRST_PIXELS: [f32; 2] = [2.0, 5.0];
-const FURTHER_COUNT: usize = 5;
+const FURTHER_COUNT: f32 = 5.0;
 
 /// Light paths a pass for each pixel, but no less and no more than so many; and at least and at most so many times that, by
 /// what they are worth.
@@ -167,8 +169,18 @@ impl Pilot {
         let paths = settings.photons.map_or(by_pixels, u64::from);
         let learned = settings.guiding.then(|| Learned::nothing(scene));
         let seen = settings.guiding.then(|| survey(scene, film, settings.max_bounces, seed, observer)).flatten();
-        let mut pilot =
-            Pilot { paths, first: 1.0, further, counts, nearest: NEAREST, useful: 1.0, learned, volume: None, seen };
+        let mut pilot = Pilot {
+            paths,
+            first: 1.0,
+            further,
+            counts,
+            times: 1.0,
+            bins: 1.0,
+            useful: 1.0,
+            learned,
+            volume: None,
+            seen,
+        };
         let scene = &*survey::with(scene, &pilot.outlook(scene));
         let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
         for round in 0..=rounds {
@@ -207,7 +219,13 @@ impl Pilot {
         let times = (variances * judgement.rays / rays).sqrt();
         let times = if times.is_finite() { times.clamp(TIMES[0], TIMES[1]) } else { 1.0 };
         self.paths = (self.paths as f32 * times) as u64;
-        self.nearest = (NEAREST as f32 * times.sqrt().max(1.0)) as u32;
+        self.times = times.max(1.0);
+    }
+
+    /// Of how many photons the nearest are enough. Least error is with a radius that grows with the sixth root of the variance,
+    /// which grows with the number of bins that share the light.
+    fn nearest(&self) -> usize {
+        (NEAREST * self.times.sqrt() * self.bins.cbrt()) as usize
     }
 
     /// How light in media is estimated with so many photons.
@@ -242,6 +260,10 @@ impl Pilot {
     ) -> Maps {
         let maps = photon_maps(scene, &self.merging(1.0), self.volume, settings.max_bounces, pass, observer);
         observer.phase(Phase::Pilot);
+        if settings.radius.is_none() {
+            let count = NEAREST as usize;
+            self.bins = pilot::bins_of_neighbours(scene, film, settings.max_bounces, pass.seed, &maps.surface, count);
+        }
         self.set_radii(scene, film, settings, &maps.surface, pass.seed);
         maps
     }
@@ -255,20 +277,21 @@ impl Pilot {
         seed: u64,
     ) {
         let (mut found, mut widths, mut radii) = (Nearest::default(), Vec::new(), Vec::new());
+        let (nearest, of_further) = (self.nearest(), FURTHER_COUNT * self.bins.cbrt());
         pilot::gather_points(scene, film, settings.max_bounces, seed, |point, path, smooth_events| {
             if smooth_events == 0 {
-                widths.push(pilot::distance(map, point, self.nearest as usize, &mut found) / path.cone.width);
+                widths.push(pilot::distance(map, point, nearest, &mut found) / path.cone.width);
                 return Lobes::ALL;
             }
-            radii.push(pilot::distance(map, point, FURTHER_COUNT, &mut found));
+            radii.push(pilot::distance(map, point, of_further as usize, &mut found));
             Lobes::NONE
         });
         let typical = pilot::median(widths).unwrap_or(f32::INFINITY);
         let further = pilot::median(radii);
-        self.first = settings.radius.unwrap_or(typical.clamp(FIRST_PIXELS[0], FIRST_PIXELS[1]));
+        let [least, most] = FIRST_PIXELS;
+        self.first = settings.radius.unwrap_or(typical.clamp(least, most * self.bins.cbrt().sqrt()));
         self.further = further.unwrap_or_else(|| pilot::fallback(scene));
-        self.counts =
-            [self.nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| FURTHER_COUNT as f32)];
+        self.counts = [nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| of_further)];
     }
 
     /// Whether it can have been measured: films come from anywhere.
@@ -278,7 +301,8 @@ impl Pilot {
         let positive = |number: f32| number.is_finite() && number > 0.0;
         let learned = self.learned.as_ref();
         paths.contains(&self.paths)
-            && (NEAREST..=(NEAREST as f32 * TIMES[1].sqrt()) as u32).contains(&self.nearest)
+            && (1.0..=TIMES[1]).contains(&self.times)
+            && (1.0..=pilot::MOST_BINS).contains(&self.bins)
             && positive(self.first)
             && positive(self.further)
             && self.counts.iter().all(|&count| count >= 0.0)
@@ -306,7 +330,7 @@ impl Pilot {
             first: self.first,
             shrunk,
             further: self.further,
-            nearest: self.nearest as usize,
+            nearest: self.nearest(),
             on_from_first: first,
             on_from_further: further,
         }

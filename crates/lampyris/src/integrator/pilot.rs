@@ -4,6 +4,8 @@
 //! is. Its result depends on scene, film, settings and seed alone, so that every pass stays a pure function of these,
 //! and it scales with the scene.
 
+use std::collections::BTreeMap;
+
 use glam::Vec2;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,6 +14,7 @@ use super::path::CAMERA_ROULETTE_FROM;
 use super::photon_map::photon_map;
 use super::{Observer, Pass, Phase};
 use crate::error::{Error, Result};
+use crate::film::Clock;
 use crate::material::{Lobes, Scattered};
 use crate::photon::{Nearest, PhotonMap, Radius};
 use crate::sampler::{Sampler, purpose};
@@ -66,6 +69,45 @@ pub(super) fn radius(
 /// The distance of the `count`-th nearest photon, or of the farthest if there are fewer.
 pub(super) fn distance(map: &PhotonMap, point: &SurfacePoint, count: usize, found: &mut Nearest) -> f32 {
     map.nearest(point.surface.position, count, f32::INFINITY, found).0
+}
+
+/// More bins change nothing: as many photons are gathered for so many as a pass has time for.
+pub(super) const MOST_BINS: f32 = 4096.0;
+
+/// Over how many time bins the light of so many photons that lie together is spread: one over the chance that two of them arrive
+/// in the same one, mean over the points where the camera gathers first. 1 where there are no bins, and no more than
+/// [`MOST_BINS`].
+pub(super) fn bins_of_neighbours(
+    scene: &Scene,
+    film: &FilmDescription,
+    max_bounces: u32,
+    seed: u64,
+    map: &PhotonMap,
+    count: usize,
+) -> f32 {
+    let Some(width) = Clock::of(film).map(|clock| clock.bin_width()).filter(|&width| width > 0.0) else { return 1.0 };
+    let (mut found, mut fluxes) = (Nearest::default(), BTreeMap::new());
+    let (mut chances, mut points) = (0.0, 0u32);
+    gather_points(scene, film, max_bounces, seed, |point, path, _| {
+        let position = point.surface.position;
+        fluxes.clear();
+        let mut equals = 0.0;
+        for (photon, _) in map.nearest(position, count, f32::INFINITY, &mut found).1 {
+            let slowness = path.slowness * point.slowness_toward(-photon.direction);
+            // Where bins begin, and the way to the camera, is the same for all of them.
+            let bin = (photon.optical_length_at(position, slowness) / width).floor() as i64;
+            let flux = f64::from(photon.flux.mean());
+            equals += flux * flux;
+            *fluxes.entry(bin).or_insert(0.0) += flux;
+        }
+        let all = fluxes.values().sum::<f64>().powi(2) - equals;
+        if all > 0.0 {
+            chances += (fluxes.values().map(|flux| flux * flux).sum::<f64>() - equals) / all;
+            points += 1;
+        }
+        Lobes::DELTA
+    });
+    if points > 0 { (f64::from(points) / chances).clamp(1.0, MOST_BINS.into()) as f32 } else { 1.0 }
 }
 
 /// Tells `visit` of points with smooth lobes that walks from the camera reach, and of how many smooth events led there.

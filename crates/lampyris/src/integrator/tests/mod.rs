@@ -9,6 +9,7 @@
 //! n² cos / n'² cos' on the way back, by which the law of refraction keeps n² cos dω.
 
 mod chain;
+mod neighbours;
 mod paths;
 mod resumed;
 
