@@ -6,7 +6,7 @@
 //! |---|---|
 //! | 16 | `LAMPYRIS FILM 4` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
-//! | | the header, in JSON: the [`Identity`], the passes, the layers |
+//! | | the header, in JSON: the [`Identity`], the passes, the layers, how a wall is captured |
 //! | 8 | the length of the pilot |
 //! | | what the integrator measured before the first pass, in a form of its own |
 //! | | the sums: for each of them, the higher limbs of all pixels, the lower limbs, and the numbers of the limbs |
@@ -371,7 +371,7 @@ mod tests {
     use crate::import::toml::read_str;
     use crate::scene::description::{FilmDescription, TimeDescription};
     use crate::scene::{NoAssets, NotedAssets};
-    use crate::transient::{LightKind, TimeLayer};
+    use crate::transient::{Capture, LightKind, TimeLayer};
     use proptest::prelude::*;
 
     fn identity(settings: &str) -> Identity {
@@ -397,6 +397,7 @@ mod tests {
     fn checkpoint_in(storage: &Storage, time: TimeDescription, passes: &[u32]) -> Checkpoint {
         let clock = Clock::of(&FilmDescription { time: Some(time), ..Default::default() }).expect("a clock");
         let mut film = Film::with_layers([3, 2], Layers::ALL).with_time(clock, storage).expect("room");
+        film = film.with_capture(Some(capture([0.1, 1.0 / 3.0, f64::MIN_POSITIVE]))).expect("it fits");
         let mut held = PassSet::new();
         for &pass in passes {
             let value = (pass as f32).sin().abs();
@@ -413,6 +414,20 @@ mod tests {
             pilot: vec![1, 2],
             passes: held,
             film,
+        }
+    }
+
+    /// Of a wall that a film of 3 × 2 pixels shows, lit at this point.
+    fn capture(laser: [f64; 3]) -> Capture {
+        let grid = |point: [f64; 3]| vec![vec![point; 3]; 2];
+        Capture {
+            sensor_xyz: None,
+            laser_xyz: None,
+            sensor_grid_xyz: grid([0.2; 3]),
+            sensor_grid_normals: grid([0.0, 0.0, 1.0]),
+            laser_grid_xyz: vec![vec![laser]],
+            laser_grid_normals: vec![vec![[0.0, 0.0, 1.0]]],
+            t_accounts_first_and_last_bounces: false,
         }
     }
 
@@ -461,6 +476,7 @@ mod tests {
         let read = |bytes: &[u8]| Checkpoint::read_picture(&mut &*bytes, bytes.len() as u64);
         let read_film = read(&bytes).expect("it is whole").film;
         assert_eq!((read_film.image(), read_film.clock()), (kept.film.image(), None));
+        assert_eq!(read_film.capture(), None);
         let mut damaged = bytes.clone();
         let last = damaged.len() - 9;
         damaged[last] ^= 1;
@@ -489,6 +505,21 @@ mod tests {
             let mut sum = parts[order[0]].clone();
             order[1..].iter().for_each(|&part| sum.merge(&parts[part]).expect("disjoint"));
             assert_eq!(sum, whole);
+        }
+    }
+
+    #[test]
+    fn walls_that_were_captured_in_different_ways_are_told_apart_and_must_fit() {
+        let mut own = checkpoint(&[0]);
+        let captured = |laser| own.film.clone().with_capture(laser);
+        let other = Checkpoint { film: captured(Some(capture([0.3; 3]))).expect("it fits"), ..checkpoint(&[1]) };
+        let none = Checkpoint { film: captured(None).expect("nothing fits"), ..checkpoint(&[1]) };
+        assert!(captured(Some(Capture { sensor_grid_xyz: Vec::new(), ..capture([0.3; 3]) })).is_err());
+        let before = own.clone();
+        for other in [other, none] {
+            let said = own.merge(&other).expect_err("another wall").message;
+            assert_eq!(said, "films of walls that were captured in different ways cannot be merged");
+            assert_eq!(own, before);
         }
     }
 
@@ -533,6 +564,25 @@ mod tests {
         assert_eq!(message(b"PNG"), "not a film of Lampyris");
         assert_eq!(message(b"LAMPYRIS FILM 1\n"), "a film of another version of Lampyris");
         assert_eq!(message(MAGIC), "the film is damaged or cut short");
+    }
+
+    /// With other text in its header, filled up with spaces, and a checksum that fits.
+    fn replaced(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+        let to = format!("{to:<0$}", from.len());
+        assert_eq!(from.len(), to.len());
+        let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect("in the header");
+        sealed([&bytes[..at], to.as_bytes(), &bytes[at + from.len()..bytes.len() - CHECKSUM]].concat())
+    }
+
+    #[test]
+    fn a_wall_that_does_not_fit_the_film_is_damage() {
+        let kept = checkpoint(&[0]).encode();
+        Checkpoint::decode(&replaced(&kept, "[0.2,0.2,0.2]]", "[0.2,0.2,0.7]]")).expect("another point");
+        let point = "[0.2,0.2,0.2],[0.2,0.2,0.2]]]";
+        for other in ["[0.2,0.2,0.2]]]", "[0.2,0.2,null],[0.2,0.2,0]]]"] {
+            let error = Checkpoint::decode(&replaced(&kept, point, other)).expect_err(other);
+            assert_eq!(error.message, "the film is damaged or cut short");
+        }
     }
 
     /// With a checksum that fits.

@@ -37,7 +37,7 @@ use layers::LayerSums;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, luminance};
-use crate::transient::{Phasors, TimeLayer, Transient};
+use crate::transient::{Capture, Phasors, TimeLayer, Transient};
 
 /// Sums over passes, which are the same to the last bit in whatever order the passes come, and in however many films that
 /// are merged.
@@ -61,9 +61,10 @@ pub struct Film {
     bias: Option<BiasSums>,
     layers: LayerSums,
     bins: Option<BinSums>,
+    capture: Option<Capture>,
 }
 
-/// What sums a film has.
+/// What sums a film has, and of what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FilmShape {
     size: [usize; 2],
@@ -75,6 +76,8 @@ pub(crate) struct FilmShape {
     /// Whether any pass told of the layers.
     has_features: bool,
     time: Option<Clock>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    capture: Option<Capture>,
 }
 
 /// What the passes weigh, by pixel.
@@ -110,6 +113,7 @@ impl Film {
             bias: None,
             layers: LayerSums::new(layers, pixels),
             bins: None,
+            capture: None,
         }
     }
 
@@ -120,6 +124,15 @@ impl Film {
     pub fn with_time(self, clock: Clock, storage: &Storage) -> Result<Film> {
         let bins = BinSums::new(clock, self.width * self.height, storage)?;
         Ok(Film { bins: Some(bins), ..self })
+    }
+
+    /// The same of a wall that is captured so, if it is one.
+    ///
+    /// # Errors
+    /// As [`Capture::check`].
+    pub fn with_capture(self, capture: Option<Capture>) -> Result<Film> {
+        capture.as_ref().map_or(Ok(()), |capture| capture.check(self.width, self.height))?;
+        Ok(Film { capture, ..self })
     }
 
     /// Adds some of the arrivals of the pass that is added next, in the order of pixels and slots: all that it has of each of
@@ -167,7 +180,7 @@ impl Film {
     /// Adds the passes of another film: the same to the bit as adding them here.
     ///
     /// # Errors
-    /// Films of different sizes or layers, or of more passes than one can hold.
+    /// Films of different sizes, layers, bins or walls, or of more passes than one can hold.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
         if (self.width, self.height) != (other.width, other.height) {
             let sizes = [self.width, self.height, other.width, other.height];
@@ -181,6 +194,9 @@ impl Film {
         }
         if self.clock() != other.clock() {
             return Err(Error::new("films of different time bins cannot be merged"));
+        }
+        if self.capture != other.capture {
+            return Err(Error::new("films of walls that were captured in different ways cannot be merged"));
         }
         if other.passes == 0 {
             return Ok(());
@@ -227,6 +243,7 @@ impl Film {
             layers: self.layers().iter().map(|layer| layer.name().to_string()).collect(),
             has_features: self.layers.has_any(),
             time: self.clock().cloned(),
+            capture: self.capture.clone(),
         }
     }
 
@@ -267,6 +284,11 @@ impl Film {
         self.bins.as_ref().map(BinSums::clock)
     }
 
+    /// How the wall is captured that it shows by time, if it is one.
+    pub fn capture(&self) -> Option<&Capture> {
+        self.capture.as_ref()
+    }
+
     /// The mean over the passes of what arrived at a pixel, counted row by row, within each time bin: linear radiance, of
     /// which the picture is the sum over all time. Empty without time.
     pub fn bins(&self, pixel: usize) -> Vec<[f32; 3]> {
@@ -302,7 +324,10 @@ impl Film {
         for (pixel, profile) in transient.profiles_mut().enumerate() {
             profile.copy_from_slice(&self.bins_of(pixel, layer)?);
         }
-        Ok(transient)
+        match self.capture() {
+            Some(capture) => transient.with_capture(capture.clone()),
+            None => Ok(transient),
+        }
     }
 
     /// The mean over the passes of the complex amplitudes of a pixel, real and imaginary part of each frequency: linear
@@ -494,6 +519,9 @@ impl FilmShape {
             return Ok(None);
         };
         let (size, pixels) = (self.size, self.size[0] * self.size[1]);
+        if self.capture.as_ref().is_some_and(|capture| capture.check(size[0], size[1]).is_err()) {
+            return Ok(None);
+        }
         let bins = self.time.clone().map(|clock| BinSums::new(clock, pixels, storage)).transpose()?;
         Ok(Some(Film {
             width: size[0],
@@ -506,12 +534,13 @@ impl FilmShape {
             bias: self.has_bias.then(|| BiasSums::new(size)),
             layers: LayerSums::new(layers, pixels).with_any(self.has_features),
             bins,
+            capture: self.capture.clone(),
         }))
     }
 
-    /// Leaves the time bins out, whose sums are the last.
+    /// Leaves the time bins out, whose sums are the last, with what is to be known of them.
     pub(crate) fn drop_time(&mut self) {
-        self.time = None;
+        (self.time, self.capture) = (None, None);
     }
 
     /// Bytes that the time bins take, in memory or in a file.
