@@ -7,11 +7,10 @@ use rayon::prelude::*;
 
 use super::atomic::{write_whole, write_whole_by};
 use super::npy::encode_header;
+use super::npz::{Member, write_npz};
+use super::sidecar::{Facts, Layering, encode_phasor_sidecar, encode_sidecar, sidecar_path};
 use super::tal::{is_hdf5, write_tal};
-use super::transient::{
-    ARRAY, Facts, Layering, Member, SIDECAR, TransientFormat, encode_phasor_sidecar, encode_sidecar, layer_path,
-    member_of, sidecar_path, write_npz,
-};
+use super::transient::{ARRAY, SIDECAR, TransientFormat, layer_path, member_of};
 use crate::error::{Error, Result};
 use crate::film::{Clock, Film};
 use crate::image::luminance;
