@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Eye, camera_pass};
+use super::blocks::{CameraPass, Eye};
 use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
@@ -372,7 +372,7 @@ impl Integrator for Auto {
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let sharing = Sharing::of(self.pilot.volume, &maps);
         let eye = Merged { maps, sharing, merging, limits };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye, arrived)
+        CameraPass { scene, film, pass, samples: self.settings.samples, layers, observer }.expose(&eye, arrived)
     }
 
     fn area(&self, pass: &Pass) -> Option<f64> {
