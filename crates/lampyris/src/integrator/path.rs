@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::{CameraPass, Eye};
 use super::look::Look;
-use super::survey::{self, outlook, survey};
-use super::{Integrator, Observer, Pass, Phase, pilot};
+use super::survey::{outlook, survey};
+use super::{Integrator, Observer, Pass, Phase, pilot, with};
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Outlook, Sightings};
@@ -70,7 +70,7 @@ impl Integrator for PathTracing {
         arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         observer.phase(Phase::Camera);
-        let scene = &*survey::with(scene, &self.outlook);
+        let scene = &*with(scene, &self.outlook, Scene::with_outlook);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         CameraPass { scene, film, pass, samples: self.settings.samples, layers, observer }
             .expose(&Paths { limits }, arrived)
