@@ -26,12 +26,7 @@ pub fn run(arguments: &DenoiseArguments) -> Result<(), Failure> {
     let denoised = denoise(&denoiser, &image, &layers)?;
     facts.push(denoised_by());
     let outputs: Vec<&Path> = arguments.outputs.iter().map(PathBuf::as_path).collect();
-    films::write_all(
-        &Picture { image: &denoised, noisy: Some(&image), layers: &layers, facts: &facts },
-        None,
-        None,
-        &outputs,
-    )
+    films::write_all(&Picture { image: &denoised, noisy: Some(&image), layers: &layers, facts: &facts }, None, &outputs)
 }
 
 /// The picture without its noise, by those of its layers that help.

@@ -14,7 +14,6 @@ use lampyris::output::{
     write_picture, write_timed, write_whole_by,
 };
 use lampyris::render::Render;
-use lampyris::transient::Capture;
 
 use crate::args::MergeArguments;
 use crate::format::plural;
@@ -90,23 +89,17 @@ pub fn facts(film: &Checkpoint) -> Vec<(&'static str, Fact)> {
 }
 
 /// Writes a picture to all of these places, with its layers where a file has room for them; and if it is that of a film with
-/// time, the bins in place of it where a file has room for those, with how a wall was captured.
+/// time, the bins in place of it where a file has room for those.
 ///
 /// # Errors
 /// Whatever keeps any of them from being written: the others are.
-pub fn write_all(
-    picture: &Picture<'_>,
-    film: Option<&Film>,
-    capture: Option<Capture>,
-    outputs: &[&Path],
-) -> Result<(), Failure> {
+pub fn write_all(picture: &Picture<'_>, film: Option<&Film>, outputs: &[&Path]) -> Result<(), Failure> {
     let film = film.filter(|film| film.clock().is_some());
     let holds_time = |path: &&&Path| film.is_some() && holds_time(path);
     let (timed, plain): (Vec<&Path>, Vec<&Path>) = outputs.iter().partition(holds_time);
     let mut faults: Vec<Error> = plain.iter().filter_map(|path| write_picture(path, picture).err()).collect();
     if let (Some(film), false) = (film, timed.is_empty()) {
-        let write = |path: &&&Path| write_timed(path, film, capture.as_ref());
-        faults.extend(timed.iter().filter_map(|path| write(&path).err()));
+        faults.extend(timed.iter().filter_map(|path| write_timed(path, film).err()));
     }
     Failure::if_any(faults)
 }
@@ -215,14 +208,15 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     if sum.film().clock().is_none() {
         check_without_time(&pictures)?;
     }
-    check_without_capture(&pictures)?;
+    if sum.film().capture().is_none() {
+        check_without_capture(&pictures)?;
+    }
     kept.iter().try_for_each(|path| write_film(path, |to| sum.write(to)))?;
     if !pictures.is_empty() {
         let (image, layers) = self::pictures(sum.film());
         write_all(
             &Picture { image: &image, noisy: None, layers: &layers, facts: &facts(&sum) },
             Some(sum.film()),
-            None,
             &pictures,
         )?;
     }

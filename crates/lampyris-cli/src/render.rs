@@ -292,7 +292,7 @@ impl Job<'_> {
             }
             _ => Picture { image: &image, noisy: None, layers: &layers, facts: &facts },
         };
-        films::write_all(&picture, Some(render.film()), render.scene().capture(), outputs)?;
+        films::write_all(&picture, Some(render.film()), outputs)?;
         denoised?;
         Ok(())
     }

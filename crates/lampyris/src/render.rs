@@ -56,7 +56,7 @@ impl<'s> Render<'s> {
         let settings = timed(scene, settings, &description.integrator, seed, observer);
         let mut film = Film::with_layers(settings.size, layers);
         if let Some(clock) = Clock::of(&settings) {
-            film = film.with_time(clock, storage)?;
+            film = film.with_time(clock, storage)?.with_capture(scene.capture())?;
         }
         let integrator = integrator(scene, &settings, &description.integrator, seed, observer);
         Ok(Render { scene, film, settings, integrator, seed, passes: PassSet::new() })
@@ -70,7 +70,7 @@ impl<'s> Render<'s> {
     pub fn resume(scene: &'s Scene, description: &SceneDescription, checkpoint: Checkpoint) -> Result<Render<'s>> {
         let (mut settings, seed) = (description.film.clone(), description.render.seed);
         let integrator = resumed(scene, &description.integrator, checkpoint.pilot())?;
-        let (film, passes) = checkpoint.into_film();
+        let (mut film, passes) = checkpoint.into_film();
         if film.size() != settings.size.map(|side| side as usize) {
             return Err(Error::new("the film has another size than it should"));
         }
@@ -81,6 +81,9 @@ impl<'s> Render<'s> {
         }
         if Clock::of(&settings).as_ref() != film.clock() {
             return Err(Error::new("the film has other time bins than it should"));
+        }
+        if film.clock().is_some() {
+            film = film.with_capture(scene.capture())?;
         }
         Ok(Render { scene, film, settings, integrator, seed, passes })
     }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::statistics::{Sample, assert_distribution, assert_mean, assert_same_mean};
-use common::time::{POINT_OVER_FLOOR, bins, film, lit_bins, slots};
+use common::time::{POINT_OVER_FLOOR, bins, lit_bins, slots};
 use common::{lit, slab, square};
 use lampyris::film::Layers;
 use lampyris::spectrum::Dispersion;
@@ -17,7 +17,7 @@ fn a_point_on_a_floor_is_lit_when_light_has_come_to_it_and_on_to_the_eye() {
         for way in ["path", "auto photons=100", "photon-map photons=100"] {
             let range = bins(3, at - 0.0015, 0.001);
             let film =
-                film(&lit(POINT_OVER_FLOOR, &format!("integrator={way} time.unwarp={unwarp}{range}")), 1, Layers::NONE);
+                lit(POINT_OVER_FLOOR, &format!("integrator={way} time.unwarp={unwarp}{range}")).film(1, Layers::NONE);
             let seen: Vec<f64> = film.bins(0).iter().map(|light| f64::from(light[1])).collect();
             assert!((seen[1] / expected - 1.0).abs() < 1e-3, "{way}, {unwarp}: {seen:?}");
             assert_eq!((seen[0], seen[2]), (0.0, 0.0), "{way}, {unwarp}");
@@ -53,7 +53,7 @@ fn from_a_near_plane_on_the_way_to_the_eye_counts() {
             "integrator=auto max-bounces=1",
         ] {
             let lit = lit(&scene(near, extra), &(way.to_string() + &bins(80, 0.0, 0.1)));
-            let found = lit_bins(&film(&lit, 8, Layers::NONE));
+            let found = lit_bins(&lit.film(8, Layers::NONE));
             assert!(
                 found.iter().all(|&from| (from + 0.05 - time).abs() < 0.15),
                 "{way}, {near}: {found:?} without {time}"
@@ -75,7 +75,7 @@ fn a_slab_delays_light_by_its_thickness_times_index_less_one() {
     let at = 2.0 + 0.6 * 0.25 + (1.0_f64 + 0.25).sqrt();
     for way in ["path", "auto photons=100", "photon-map photons=100"] {
         // As short as one bin, which is all that light takes straight through; what the slab reflects within comes later.
-        let film = film(&lit(&text, &format!("integrator={way}{}", bins(1, at - 1e-4, 2e-4))), 4, Layers::NONE);
+        let film = lit(&text, &format!("integrator={way}{}", bins(1, at - 1e-4, 2e-4))).film(4, Layers::NONE);
         assert!(film.bins(0)[0][1] > 0.05, "{way}");
         assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
     }
@@ -97,13 +97,13 @@ fn a_pulse_is_slower_in_glass_than_the_index_that_bends_it_says_if_group_indices
         for (index, value) in [("phase", 1.51680), ("group", 1.54136)] {
             let range = bins(1, at(value) - 1e-4, 2e-4);
             let settings = format!("integrator={way} time.index={index} spectral=false{range}");
-            let film = film(&lit(&text, &settings), 4, Layers::NONE);
+            let film = lit(&text, &settings).film(4, Layers::NONE);
             assert!(film.bins(0)[0][1] > 0.05, "{way}, {index}");
             assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}, {index}");
         }
         // Of all colours, red is the first.
         let settings = format!("integrator={way} time.index=group{}", bins(1, at(glass.group_at(830.0)) - 1e-4, 0.03));
-        let film = film(&lit(&text, &settings), 8, Layers::NONE);
+        let film = lit(&text, &settings).film(8, Layers::NONE);
         assert!(film.bins(0)[0][1] > 0.05, "{way}");
         assert_eq!(film.outside_bins(0).expect("time")[0], [0.0; 3], "{way}");
     }
@@ -162,7 +162,7 @@ fn a_mirror_delays_light_by_the_way_to_it() {
         ("photon-map photons=20000 bandwidth=fixed radius=0.3 direct=photons", true),
     ] {
         let range = bins(1000, 0.5 * width, width);
-        let film = film(&lit(text, &format!("integrator={way}{range}")), 4, Layers::NONE);
+        let film = lit(text, &format!("integrator={way}{range}")).film(4, Layers::NONE);
         let found = lit_bins(&film);
         let expected = near(&found, direct) + near(&found, by_mirror);
         assert!(near(&found, direct) > 0, "{way}: {found:?}");

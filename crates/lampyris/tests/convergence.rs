@@ -2,9 +2,9 @@
 
 mod common;
 
+use common::rates::{self, slope};
 use common::{lit, square};
-use lampyris::film::{Film, Layers};
-use lampyris::integrator::{Pass, Silent, integrator};
+use lampyris::image::Image;
 
 /// Places on a plane, looked at from straight above, below a lamp at the height 1: 16 × 16 pixels of 0.125, each of
 /// which samples its middle alone.
@@ -30,8 +30,7 @@ fn exact(height: f64) -> impl Fn(f64, f64) -> f64 {
     move |x, z| height * (x * x + z * z + height * height).powf(-1.5) / std::f64::consts::PI
 }
 
-fn squared_error(film: &Film, exact: impl Fn(f64, f64) -> f64) -> f64 {
-    let image = film.image();
+fn squared_error(image: &Image, exact: impl Fn(f64, f64) -> f64) -> f64 {
     let middle = |index: usize| (index as f64 + 0.5) / 8.0 - 1.0;
     let off = |index: usize| {
         let (x, y) = (index % 16, index / 16);
@@ -40,8 +39,6 @@ fn squared_error(film: &Film, exact: impl Fn(f64, f64) -> f64) -> f64 {
     (0..256).map(off).sum::<f64>() / 256.0
 }
 
-const SEEDS: u64 = 16;
-
 /// Mean squared error after each of these numbers of passes, over 16 seeds.
 fn errors(settings: &str, at: &[u32]) -> Vec<f64> {
     errors_from(exact(1.0), SCENE, &format!("integrator=photon-map {settings}"), at)
@@ -49,29 +46,7 @@ fn errors(settings: &str, at: &[u32]) -> Vec<f64> {
 
 /// The same for another scene, of which this is known.
 fn errors_from(exact: impl Fn(f64, f64) -> f64, scene: &str, settings: &str, at: &[u32]) -> Vec<f64> {
-    let mut sums = vec![0.0; at.len()];
-    for seed in 0..SEEDS {
-        let lit = lit(scene, settings);
-        let (scene, film) = (&lit.scene, &lit.description.film);
-        let way = integrator(scene, film, &lit.description.integrator, seed, &Silent);
-        let mut picture = Film::new(film.size);
-        for (sum, &passes) in sums.iter_mut().zip(at) {
-            while picture.passes() < passes {
-                let pass = Pass { index: picture.passes(), seed };
-                picture.add_pass(&way.expose(scene, film, &pass, Layers::NONE, &Silent));
-            }
-            *sum += squared_error(&picture, &exact) / SEEDS as f64;
-        }
-    }
-    sums
-}
-
-/// Least squares of log error over log passes.
-fn slope(at: &[u32], errors: &[f64]) -> f64 {
-    let points: Vec<(f64, f64)> = at.iter().zip(errors).map(|(&n, error)| (f64::from(n).ln(), error.ln())).collect();
-    let count = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
-    points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+    rates::errors(&lit(scene, settings), 16, at, |image| squared_error(image, &exact))
 }
 
 /// With α = 2/3 both variance and squared bias fall as N^(-2/3) [Knaus & Zwicker 2011]. Nine runs with other seeds gave
@@ -180,17 +155,6 @@ fn slope_of_shadow_rays(guiding: bool) -> (f64, Vec<f64>) {
         "type = 'constant', radiance = 1",
     );
     let lit = lit(&sky, &format!("integrator=path guiding={guiding}"));
-    let mut picture = Film::new([16, 16]);
-    let way = integrator(&lit.scene, &lit.description.film, &lit.description.integrator, 0, &Silent);
-    let errors: Vec<f64> = (at.iter())
-        .map(|&passes| {
-            while picture.passes() < passes {
-                let pass = Pass { index: picture.passes(), seed: 0 };
-                picture.add_pass(&way.expose(&lit.scene, &lit.description.film, &pass, Layers::NONE, &Silent));
-            }
-            let image = picture.image();
-            image.pixels().iter().map(|pixel| (f64::from(pixel[0]) - 1.0).powi(2)).sum::<f64>() / 256.0
-        })
-        .collect();
+    let errors = rates::errors(&lit, 1, &at, |image| squared_error(image, |_, _| 1.0));
     (slope(&at, &errors), errors)
 }

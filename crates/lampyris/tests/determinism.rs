@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Lit, lit};
+use common::{lit, on_threads};
 use lampyris::film::Layers;
 use lampyris::image::Image;
 use lampyris::integrator::{Pass, Silent, integrator};
@@ -76,19 +76,14 @@ fn bits(image: &Image) -> Vec<u32> {
     image.pixels().iter().flatten().map(|value| value.to_bits()).collect()
 }
 
-fn on_threads(lit: &Lit, threads: usize) -> Vec<u32> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| bits(&lit.image(3)))
-}
-
 #[test]
 fn every_number_of_threads_gives_the_same_bits() {
     for way in WAYS {
         let lit = lit(&box_of_size(1.0), way);
-        let one = on_threads(&lit, 1);
+        let one = on_threads(1, || bits(&lit.image(3)));
         assert!(one.iter().any(|&bits| bits != 0), "{way} sees something");
         for threads in [2, 5] {
-            assert!(one == on_threads(&lit, threads), "{way} on {threads} threads");
+            assert!(one == on_threads(threads, || bits(&lit.image(3))), "{way} on {threads} threads");
         }
     }
 }

@@ -6,7 +6,7 @@
 mod common;
 
 use common::statistics::{Sample, assert_mean, assert_same_mean};
-use common::{Lit, described, lit};
+use common::{Lit, described, lit, on_threads};
 use glam::{Vec2, Vec3};
 use lampyris::film::{Layer, Layers};
 use lampyris::geometry::Ray;
@@ -419,10 +419,7 @@ fn a_spectral_picture_has_the_same_bits_on_any_number_of_threads() {
     for way in WAYS {
         let lit = lit(CAUSTIC, way);
         assert!(lit.scene.is_spectral());
-        let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| lit.image(4).pixels().to_vec())
-        };
+        let on = |threads: usize| on_threads(threads, || lit.image(4).pixels().to_vec());
         assert!(on(1) == on(5), "{way}");
         let passes = lit.passes(4);
         assert!(passes[3].pixels() == lit.passes(4)[3].pixels() && passes[0].pixels() != passes[1].pixels(), "{way}");

@@ -3,12 +3,10 @@
 mod common;
 
 use common::statistics::{Sample, assert_mean, assert_same_mean};
+use common::time::{arriving, bins, slot_count};
 use common::{Lit, described, lit};
 use lampyris::error::Error;
-use lampyris::film::{Film, Layers};
-use lampyris::image::luminance;
-use lampyris::integrator::{Pass, Silent, integrator};
-use lampyris::render::Render;
+use lampyris::film::Arrival;
 use lampyris::scene::{NoAssets, build};
 
 /// A wall of albedo 0.8 at z = 0, two units wide, with these keys of the capture; sensor and laser stand apart.
@@ -55,27 +53,11 @@ const HIDDEN: &str = "
     radius = 0.25
     material = { type = 'plastic', reflectance = 0.5 }\n";
 
-fn bins(bins: u32, start: f64, width: f64) -> String {
-    format!(" time.bins={bins} time.start={start:?} time.bin-width={width:?}")
-}
-
 /// The luminance of each pixel in each slot, before the first bin and after the last too, of each pass.
 fn slots(lit: &Lit, passes: u32) -> Vec<Vec<f64>> {
-    let Lit { description, scene } = lit;
-    let (film, seed) = (&description.film, description.render.seed);
-    let integrator = integrator(scene, film, &description.integrator, seed, &Silent);
-    let slots = film.time.as_ref().expect("a film with time").bins as usize + 2;
-    let mut each = vec![Vec::new(); slots * (film.size[0] * film.size[1]) as usize];
-    for index in 0..passes {
-        let exposure =
-            integrator.expose(&scene.of_pass(seed, index), film, &Pass { index, seed }, Layers::NONE, &Silent);
-        let mut sums = vec![0.0; each.len()];
-        for arrival in exposure.arrivals {
-            sums[arrival.pixel as usize * slots + arrival.slot as usize] += f64::from(luminance(arrival.light));
-        }
-        each.iter_mut().zip(sums).for_each(|(values, sum)| values.push(sum));
-    }
-    each
+    let ([width, height], slots) = (lit.description.film.size, slot_count(lit));
+    let place = |arrival: &Arrival| arrival.pixel as usize * slots + arrival.slot as usize;
+    arriving(lit, passes, slots * (width * height) as usize, place)
 }
 
 fn fault(text: &str) -> Error {
@@ -249,17 +231,9 @@ fn any_threads_and_any_order_of_passes_give_the_same_film() {
         ("mode = 'exhaustive', laser-grid = [3, 2], hidden-geometry = true", ""),
     ] {
         let lit = lit(&(wall(capture, target) + HIDDEN), "size=[12,8] time.bins=20 time.variance=true");
-        let on = |threads: usize, order: [u32; 3]| -> Film {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| {
-                let mut render = Render::new(&lit.scene, &lit.description, &Silent);
-                order.iter().for_each(|&pass| assert!(render.step_in(&(pass..pass + 1), &Silent)));
-                render.film().clone()
-            })
-        };
-        let film = on(1, [0, 1, 2]);
+        let film = lit.film_on(1, [0, 1, 2]);
         assert!(film.image().pixels().iter().flatten().any(|&value| value > 0.0), "{capture}: there is light");
-        assert!(film == on(3, [2, 0, 1]), "{capture}");
+        assert!(film == lit.film_on(3, [2, 0, 1]), "{capture}");
     }
 }
 

@@ -2,11 +2,9 @@
 
 mod common;
 
-use common::{Lit, lit, square};
+use common::{lit, on_threads, square};
 use lampyris::film::{Film, Layer, Layers};
 use lampyris::image::Image;
-use lampyris::integrator::Silent;
-use lampyris::render::Render;
 
 /// A floor with a mirror ball, and a glowing disk behind them that lights both; the sky is black.
 const SCENE: &str = "
@@ -41,12 +39,6 @@ const WAYS: [&str; 6] = [
     "integrator=auto photons=20000 samples=2 radius=1",
 ];
 
-fn film(lit: &Lit, layers: Layers, passes: u32) -> Film {
-    let mut render = Render::with_layers(&lit.scene, &lit.description, layers, &Silent);
-    (0..passes).for_each(|_| render.step(&Silent));
-    render.film().clone()
-}
-
 fn layer(film: &Film, layer: Layer) -> Image {
     film.layer(layer).unwrap_or_else(|| panic!("no {}", layer.name()))
 }
@@ -57,9 +49,9 @@ fn the_picture_is_the_same_to_the_bit_with_layers_and_without() {
         let lit = lit(SCENE, way);
         let bits =
             |image: &Image| image.pixels().as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        let plain = bits(&film(&lit, Layers::NONE, 3).image());
-        assert!(plain == bits(&film(&lit, Layers::ALL, 3).image()), "{way}");
-        assert!(plain == bits(&film(&lit, Layers::NONE.with(Layer::Depth), 3).image()), "{way}");
+        let plain = bits(&lit.film(3, Layers::NONE).image());
+        assert!(plain == bits(&lit.film(3, Layers::ALL).image()), "{way}");
+        assert!(plain == bits(&lit.film(3, Layers::NONE.with(Layer::Depth)).image()), "{way}");
     }
 }
 
@@ -68,8 +60,7 @@ fn layers_are_the_same_to_the_bit_on_any_number_of_threads() {
     for way in WAYS {
         let lit = lit(SCENE, way);
         let on = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let film = pool.install(|| film(&lit, Layers::ALL, 2));
+            let film = on_threads(threads, || lit.film(2, Layers::ALL));
             Layer::ALL.map(|each| layer(&film, each))
         };
         assert!(on(1) == on(3), "{way}");
@@ -79,7 +70,7 @@ fn layers_are_the_same_to_the_bit_on_any_number_of_threads() {
 #[test]
 fn emission_direct_and_indirect_light_add_up_to_the_picture() {
     for way in WAYS {
-        let film = film(&lit(SCENE, way), Layers::ALL, 4);
+        let film = lit(SCENE, way).film(4, Layers::ALL);
         let [emission, direct, indirect] =
             [Layer::Emission, Layer::Direct, Layer::Indirect].map(|each| layer(&film, each));
         for (index, pixel) in film.image().pixels().iter().enumerate() {
@@ -98,8 +89,8 @@ fn emission_direct_and_indirect_light_add_up_to_the_picture() {
 /// what such a render lacks.
 #[test]
 fn emission_and_direct_light_are_what_paths_of_one_event_bring() {
-    let full = film(&lit(SCENE, "integrator=path"), Layers::ALL, 1);
-    let short = film(&lit(SCENE, "integrator=path max-bounces=1"), Layers::ALL, 1);
+    let full = lit(SCENE, "integrator=path").film(1, Layers::ALL);
+    let short = lit(SCENE, "integrator=path max-bounces=1").film(1, Layers::ALL);
     // The first event's random numbers are the same, and roulette begins later.
     let largest = layer(&short, Layer::Indirect).max();
     assert!(largest < 1e-5, "a path of one event brings no indirect light, not {largest}");
@@ -117,7 +108,7 @@ fn all_integrators_mean_the_same_by_each_layer() {
     let chalk = SCENE.replace("{ type = 'mirror' }", "{ type = 'diffuse', reflectance = 0.9 }");
     let path = WAYS[0];
     for (scene, ways) in [(chalk.as_str(), [WAYS[1]].as_slice()), (SCENE, &WAYS[2..])] {
-        let films = |way: &str| film(&lit(scene, way), Layers::ALL, 128);
+        let films = |way: &str| lit(scene, way).film(128, Layers::ALL);
         let reference = films(path);
         for (way, film) in ways.iter().map(|way| (way, films(way))) {
             // These are of the method, and the caustic of the lamp in the ball is too faint and too small.
@@ -141,7 +132,7 @@ fn mean_size(image: &Image) -> f64 {
 #[test]
 fn features_are_those_of_the_first_surface_that_is_no_mirror() {
     // A pixel of the floor in front of the ball, one of the ball's middle, one of the sky.
-    let film = film(&lit(SCENE, "integrator=path samples=4"), Layers::ALL, 2);
+    let film = lit(SCENE, "integrator=path samples=4").film(2, Layers::ALL);
     let [albedo, normal, depth, position] =
         [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Position].map(|each| layer(&film, each));
     let floor = (12, 14);
@@ -186,7 +177,7 @@ fn features_look_through_glass_and_mirrors() {
         ("integrator=auto photons=100 samples=16", 16),
     ];
     for (way, passes) in ways {
-        let film = film(&lit(scene, way), Layers::ALL, passes);
+        let film = lit(scene, way).film(passes, Layers::ALL);
         let mean = |each| means(&layer(&film, each));
         let through = 2.0 * 1.5 / (1.5 * 1.5 + 1.0);
         let ([red, green, blue], [_, _, z]) = (mean(Layer::Albedo), mean(Layer::Position));
@@ -231,7 +222,7 @@ fn caustics_are_the_light_that_glass_throws_on_the_floor() {
         ("integrator=auto photons=50000 samples=64", 8),
     ];
     let share = |(way, passes): (&str, u32)| {
-        let film = film(&lit(&scene, way), Layers::ALL, passes);
+        let film = lit(&scene, way).film(passes, Layers::ALL);
         let [caustic, indirect] = [Layer::Caustic, Layer::Indirect].map(|each| means(&layer(&film, each))[1]);
         assert!(caustic > 0.5 * indirect && caustic <= indirect, "{way}: {caustic} of {indirect}");
         let samples = means(&layer(&film, Layer::Samples))[0];
@@ -251,6 +242,6 @@ fn means(image: &Image) -> [f64; 3] {
 
 #[test]
 fn a_picture_of_the_photon_map_has_no_layers() {
-    let film = film(&lit(SCENE, "integrator=photon-map photons=1000 show=photons"), Layers::ALL, 1);
+    let film = lit(SCENE, "integrator=photon-map photons=1000 show=photons").film(1, Layers::ALL);
     assert!(Layer::ALL.into_iter().all(|each| film.layer(each).is_none()));
 }

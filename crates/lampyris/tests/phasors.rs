@@ -5,11 +5,9 @@ mod common;
 use std::f64::consts::PI;
 
 use common::lit;
-use common::time::{POINT_OVER_FLOOR, film};
+use common::time::POINT_OVER_FLOOR;
 use lampyris::film::Layers;
 use lampyris::image::luminance;
-use lampyris::integrator::Silent;
-use lampyris::render::Render;
 use lampyris::transient::{LightKind, TimeLayer};
 
 /// A point light above a floor: L = (ρ/π) I cos/d² arrives at the time d + r alone, and turns the amplitude of a frequency f by
@@ -22,11 +20,8 @@ fn a_single_arrival_has_the_phase_of_its_time() {
     for (unwarp, at) in [("none", to_eye + to_lamp), ("first-surface", to_lamp)] {
         for way in ["path", "auto photons=100", "photon-map photons=100"] {
             let settings = "time.frequencies=0,0.37,1,5.2 time.start=0.3 time.layers=direct,indirect";
-            let film = film(
-                &lit(POINT_OVER_FLOOR, &format!("integrator={way} time.unwarp={unwarp} {settings}")),
-                2,
-                Layers::NONE,
-            );
+            let film = lit(POINT_OVER_FLOOR, &format!("integrator={way} time.unwarp={unwarp} {settings}"))
+                .film(2, Layers::NONE);
             let amplitudes = film.amplitudes(0, Some(TimeLayer::Kind(LightKind::Direct))).expect("kept");
             assert_eq!(amplitudes, film.amplitudes(0, None).expect("kept"), "all light is direct");
             for (frequency, [real, imaginary]) in frequencies.into_iter().zip(amplitudes) {
@@ -74,10 +69,10 @@ fn amplitudes_are_those_of_narrow_bins() {
     let (frequencies, width) = ([0.0, 0.5, 1.25], 0.01);
     for way in WAYS {
         let range = format!(" max-bounces=8 time.bins=6000 time.start=0 time.bin-width={width}");
-        let binned = film(&lit(ROOM, &(way.to_string() + &range)), 2, Layers::NONE);
+        let binned = lit(ROOM, &(way.to_string() + &range)).film(2, Layers::NONE);
         assert_eq!(binned.share_outside_bins(), Some([0.0; 2]), "{way}: all light is in the bins");
         let expected = binned.transient(None).expect("time").phasors(&frequencies).expect("finite");
-        let direct = film(&lit(ROOM, &format!("{way} max-bounces=8 time.frequencies=0,0.5,1.25")), 2, Layers::NONE);
+        let direct = lit(ROOM, &format!("{way} max-bounces=8 time.frequencies=0,0.5,1.25")).film(2, Layers::NONE);
         assert!(direct.image() == binned.image(), "{way}: the picture is the same");
         let found = direct.phasors(None).expect("kept");
         assert_eq!((found.values.len(), &found.frequencies), (expected.values.len(), &expected.frequencies));
@@ -95,15 +90,7 @@ fn amplitudes_are_those_of_narrow_bins() {
 fn any_threads_and_any_order_of_passes_give_the_same_amplitudes() {
     for way in WAYS {
         let lit = lit(ROOM, &format!("{way} time.bins=400 time.bin-width=0.05 time.phasor={{mean=0.4,sigma=3}}"));
-        let on = |threads: usize, order: [u32; 3]| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| {
-                let mut render = Render::new(&lit.scene, &lit.description, &Silent);
-                order.iter().for_each(|&pass| assert!(render.step_in(&(pass..pass + 1), &Silent)));
-                render.film().clone()
-            })
-        };
-        let (one, other) = (on(1, [0, 1, 2]), on(3, [2, 0, 1]));
+        let (one, other) = (lit.film_on(1, [0, 1, 2]), lit.film_on(3, [2, 0, 1]));
         assert!(one == other, "{way}");
         // Mean 20 / 0.4 = 50, σ 20 / 18: from 46 to 54.
         let frequencies = one.clock().expect("time").frequencies();

@@ -3,10 +3,8 @@
 mod common;
 
 use common::lit;
-use common::time::{bins, film};
+use common::time::bins;
 use lampyris::film::Layers;
-use lampyris::integrator::Silent;
-use lampyris::render::Render;
 
 /// A box with a point light, a ball lamp, mirror, glass, plastic; nothing is nearer to the eye than the lamp in sight.
 const BOX: &str = "
@@ -75,7 +73,7 @@ const WAYS: [&str; 6] = [
 fn bins_and_what_is_outside_add_up_to_the_picture() {
     for way in WAYS {
         // Some light before, some after.
-        let film = film(&lit(BOX, &(way.to_string() + &bins(30, 4.5, 0.05))), 3, Layers::NONE);
+        let film = lit(BOX, &(way.to_string() + &bins(30, 4.5, 0.05))).film(3, Layers::NONE);
         let [before, after] = film.share_outside_bins().expect("light");
         assert!(before > 0.01 && after > 0.01 && before + after < 0.9, "{way}: {before} {after}");
         let image = film.image();
@@ -93,13 +91,13 @@ fn bins_and_what_is_outside_add_up_to_the_picture() {
 #[test]
 fn time_changes_neither_the_picture_nor_its_layers() {
     for way in WAYS {
-        let plain = film(&lit(BOX, way), 2, Layers::NONE);
+        let plain = lit(BOX, way).film(2, Layers::NONE);
         assert_eq!(plain.clock(), None);
-        let timed = film(&lit(BOX, &(way.to_string() + &bins(30, 4.5, 0.05))), 2, Layers::NONE);
+        let timed = lit(BOX, &(way.to_string() + &bins(30, 4.5, 0.05))).film(2, Layers::NONE);
         assert!(plain.image() == timed.image(), "{way}");
         let (layered, both) = (
-            film(&lit(BOX, way), 2, Layers::ALL),
-            film(&lit(BOX, &(way.to_string() + &bins(9, 3.0, 0.5))), 2, Layers::ALL),
+            lit(BOX, way).film(2, Layers::ALL),
+            lit(BOX, &(way.to_string() + &bins(9, 3.0, 0.5))).film(2, Layers::ALL),
         );
         for layer in Layers::ALL.iter() {
             let [a, b] = [&layered, &both].map(|film| film.layer(layer).map(|image| image.pixels().to_vec()));
@@ -112,7 +110,7 @@ fn time_changes_neither_the_picture_nor_its_layers() {
 fn nothing_comes_before_the_shortest_path() {
     for way in WAYS {
         let start = shortest() * (1.0 - 1e-5);
-        let film = film(&lit(BOX, &(way.to_string() + &bins(100, start, 0.01))), 4, Layers::NONE);
+        let film = lit(BOX, &(way.to_string() + &bins(100, start, 0.01))).film(4, Layers::NONE);
         let mut first = 0.0;
         for pixel in 0..film.size()[0] * film.size()[1] {
             assert_eq!(film.outside_bins(pixel).expect("time")[0], [0.0; 3], "{way}");
@@ -127,15 +125,7 @@ fn nothing_comes_before_the_shortest_path() {
 fn any_threads_and_any_order_of_passes_give_the_same_film() {
     for way in WAYS {
         let lit = lit(BOX, &(way.to_string() + " time.bins=20 time.variance=true"));
-        let on = |threads: usize, order: [u32; 3]| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| {
-                let mut render = Render::new(&lit.scene, &lit.description, &Silent);
-                order.iter().for_each(|&pass| assert!(render.step_in(&(pass..pass + 1), &Silent)));
-                render.film().clone()
-            })
-        };
-        assert!(on(1, [0, 1, 2]) == on(3, [2, 0, 1]), "{way}");
+        assert!(lit.film_on(1, [0, 1, 2]) == lit.film_on(3, [2, 0, 1]), "{way}");
     }
 }
 
@@ -167,7 +157,7 @@ fn time_scales_with_the_scene_to_the_bit() {
         "integrator=light photons=2000",
     ] {
         // With a range that the pilot finds.
-        let seen = |scale: f64| film(&lit(&text(scale), &format!("{way} time.bins=40")), 2, Layers::NONE);
+        let seen = |scale: f64| lit(&text(scale), &format!("{way} time.bins=40")).film(2, Layers::NONE);
         let (one, large) = (seen(1.0), seen(1024.0));
         let clocks = [&one, &large].map(|film| film.clock().expect("time").clone());
         assert_eq!(
@@ -182,7 +172,7 @@ fn time_scales_with_the_scene_to_the_bit() {
 fn pairs_of_half_bins_are_bins() {
     for way in WAYS {
         let [whole, halves] = [(20, 0.2), (40, 0.1)]
-            .map(|(count, width)| film(&lit(BOX, &(way.to_string() + &bins(count, 3.3, width))), 2, Layers::NONE));
+            .map(|(count, width)| lit(BOX, &(way.to_string() + &bins(count, 3.3, width))).film(2, Layers::NONE));
         for pixel in 0..120 {
             let halves = halves.bins(pixel);
             for (whole, pair) in whole.bins(pixel).iter().zip(halves.chunks(2)) {
@@ -219,7 +209,7 @@ fn unwarping_takes_the_way_to_the_camera_away_and_nothing_else() {
         "integrator=light photons=2000",
     ] {
         let seen = |start: f64, unwarp: &str| {
-            film(&lit(text, &format!("{way} time.unwarp={unwarp}{}", bins(64, start, 0.0625))), 2, Layers::NONE)
+            lit(text, &format!("{way} time.unwarp={unwarp}{}", bins(64, start, 0.0625))).film(2, Layers::NONE)
         };
         let warped = seen(4.5, "none");
         for unwarp in ["first-surface", "last-segment"] {

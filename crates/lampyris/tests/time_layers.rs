@@ -3,11 +3,9 @@
 mod common;
 
 use common::statistics::{Sample, assert_same_mean};
-use common::time::film;
+use common::time::{arriving, slot_count};
 use common::{Lit, lit};
 use lampyris::film::{Layer, Layers};
-use lampyris::image::luminance;
-use lampyris::integrator::{Pass, Silent, integrator};
 use lampyris::transient::{LightKind, TimeLayer};
 
 /// A ball lamp in sight, and a floor and a wall with the caustic of a glass ball that is out of sight.
@@ -64,7 +62,7 @@ fn layers_add_up_to_all_light_in_every_bin_and_change_none_of_it() {
     let scene = FOG.to_string() + SCENE;
     for way in WAYS {
         let range = " time.bins=12 time.start=0 time.bin-width=0.75";
-        let film_with = |layers: &str| film(&lit(&scene, &format!("{way}{range}{layers}")), 3, Layers::NONE);
+        let film_with = |layers: &str| lit(&scene, &format!("{way}{range}{layers}")).film(3, Layers::NONE);
         let (plain, layered) = (film_with(" max-bounces=6"), film_with(LAYERS));
         let [all, bare] = [&layered, &plain].map(|film| film.transient(None).expect("time"));
         assert!(all.values() == bare.values(), "{way}: layers must not change what they are parts of");
@@ -88,7 +86,7 @@ fn layers_add_up_to_all_light_in_every_bin_and_change_none_of_it() {
 fn layers_in_time_add_up_to_those_of_the_picture() {
     for way in WAYS {
         let settings = format!("{way} time.bins=10 time.start=0 time.bin-width=10{LAYERS}");
-        let film = film(&lit(SCENE, &settings), 3, Layers::ALL);
+        let film = lit(SCENE, &settings).film(3, Layers::ALL);
         for (kind, layer) in [
             (LightKind::Emission, Layer::Emission),
             (LightKind::Direct, Layer::Direct),
@@ -103,21 +101,10 @@ fn layers_in_time_add_up_to_those_of_the_picture() {
     }
 }
 
-/// The mean over the picture of the luminance of each layer, of each pass.
+/// The luminance of each layer in all pixels and bins, of each pass.
 fn parts(lit: &Lit, passes: u32) -> Vec<Vec<f64>> {
-    let Lit { description, scene } = lit;
-    let (film, seed) = (&description.film, description.render.seed);
-    let integrator = integrator(scene, film, &description.integrator, seed, &Silent);
-    let time = film.time.as_ref().expect("a film with time");
-    let mut each = vec![vec![0.0; passes as usize]; 1 + time.layers().count()];
-    for index in 0..passes {
-        let pass = Pass { index, seed };
-        let exposure = integrator.expose(&scene.of_pass(seed, index), film, &pass, Layers::NONE, &Silent);
-        for arrival in exposure.arrivals {
-            each[(arrival.slot / (time.bins + 2)) as usize][index as usize] += f64::from(luminance(arrival.light));
-        }
-    }
-    each
+    let (slots, time) = (slot_count(lit), lit.description.film.time.as_ref().expect("a film with time"));
+    arriving(lit, passes, 1 + time.layers().count(), |arrival| arrival.slot as usize / slots)
 }
 
 #[test]

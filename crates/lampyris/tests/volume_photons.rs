@@ -4,10 +4,9 @@ mod common;
 
 use std::f64::consts::PI;
 
+use common::lit;
+use common::rates::{self, slope};
 use common::statistics::{assert_mean, assert_same_mean};
-use common::{Lit, lit};
-use lampyris::film::{Film, Layers};
-use lampyris::integrator::{Pass, Silent, integrator};
 
 /// Eight parallel rays along +z at steps of 0.2, between a lamp's place and each other's.
 const SCENE: &str = "
@@ -114,35 +113,13 @@ fn fog_that_absorbs_nothing_is_invisible_in_a_furnace_of_photons() {
     }
 }
 
-const SEEDS: u64 = 48;
-
-/// Mean squared error after each of these numbers of passes, over seeds and pixels.
+/// Mean squared error after each of these numbers of passes, over 48 seeds and all pixels.
 fn errors(settings: &str, at: &[u32]) -> Vec<f64> {
     let expected: Vec<f64> = (0..8).map(exact).collect();
-    let mut sums = vec![0.0; at.len()];
-    let Lit { scene, description } = lit(SCENE, settings);
-    for seed in 0..SEEDS {
-        let way = integrator(&scene, &description.film, &description.integrator, seed, &Silent);
-        let mut picture = Film::new(description.film.size);
-        for (sum, &passes) in sums.iter_mut().zip(at) {
-            while picture.passes() < passes {
-                let pass = Pass { index: picture.passes(), seed };
-                picture.add_pass(&way.expose(&scene, &description.film, &pass, Layers::NONE, &Silent));
-            }
-            let image = picture.image();
-            let off = |x: usize| (f64::from(image.pixel(x, 0)[0]) - expected[x]).powi(2);
-            *sum += (0..8).map(off).sum::<f64>() / (8 * SEEDS) as f64;
-        }
-    }
-    sums
-}
-
-/// Least squares of log error over log passes.
-fn slope(at: &[u32], errors: &[f64]) -> f64 {
-    let points: Vec<(f64, f64)> = at.iter().zip(errors).map(|(&n, error)| (f64::from(n).ln(), error.ln())).collect();
-    let count = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
-    points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+    rates::errors(&lit(SCENE, settings), 48, at, |image| {
+        let off = |x: usize| (f64::from(image.pixel(x, 0)[0]) - expected[x]).powi(2);
+        (0..8).map(off).sum::<f64>() / 8.0
+    })
 }
 
 /// Each error is known to √(2 / (8 × 48)) = 7 %, so the slope over six doublings to 0.02 where the errors are independent

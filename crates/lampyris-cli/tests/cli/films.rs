@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use super::{Folder, SCENE, program};
+use super::{Folder, SCENE, WALL, program};
 
 /// Every way of rendering, with whatever makes its films differ in kind.
 const WAYS: [&str; 11] = [
@@ -40,6 +40,44 @@ fn films_of_parts_make_the_film_of_the_whole() {
             assert!(folder.read("b.film") == folder.read("whole.film"), "{way}, in the same file");
         }
     }
+}
+
+#[test]
+fn a_merged_film_of_a_wall_knows_how_it_was_captured() {
+    for mode in ["'single'", "'confocal', legs = true", "'exhaustive', laser-grid = [2, 1]"] {
+        let folder = Folder::with_scene(&WALL.replace("'single'", mode));
+        let render = |options: &str| folder.run(&format!("render scene.toml -q {options}"));
+        render("-o whole.npy -o whole.npz -o whole.hdf5 --checkpoint whole.film --passes 4");
+        render("-o a.npy --checkpoint a.film --pass-range 0..1");
+        render("-o b.npy --checkpoint b.film --pass-range 1..4");
+        folder.run("merge b.film a.film -o m.film -o m.npy -o m.npz -o m.hdf5");
+        render("-o again.hdf5 --resume m.film --passes 4");
+        assert!(String::from_utf8_lossy(&folder.read("m.json")).contains("laser_grid_xyz"));
+        for end in ["film", "npy", "json", "direct.npy", "direct.json", "npz", "hdf5"] {
+            assert!(folder.read(&format!("m.{end}")) == folder.read(&format!("whole.{end}")), "{mode}, .{end}");
+        }
+        assert!(folder.read("again.hdf5") == folder.read("whole.hdf5"), "{mode}");
+    }
+}
+
+#[test]
+fn films_of_other_walls_and_of_none_are_told_so() {
+    let folder = Folder::with_scene(WALL);
+    folder.run("render scene.toml -q -o a.npy --checkpoint a.film --pass-range 0..1");
+    for (from, to, expected) in [
+        ("'single'", "'confocal'", "of another camera.capture.mode: confocal instead of single"),
+        ("'single'", "'single', legs = true", "of another camera.capture.legs: true instead of false"),
+        ("0.3, 0.2", "0.3, 0.1", "of another scene"),
+    ] {
+        folder.write("other.toml", WALL.replace(from, to));
+        folder.run("render other.toml -q -o b.npy --checkpoint b.film --pass-range 1..2");
+        let said = folder.refuse("merge a.film b.film -o m.hdf5");
+        assert!(said.contains("cannot merge 'b.film' with 'a.film'") && said.contains(expected), "{said}");
+    }
+    folder.write("scene.toml", SCENE);
+    folder.run("render scene.toml -q --integrator path --set time.bins=4 -o c.npy --checkpoint c.film --passes 1");
+    let said = folder.refuse("merge c.film -o c.hdf5");
+    assert!(said.contains("cannot write 'c.hdf5': the camera captures no wall"), "{said}");
 }
 
 /// What takes more memory than there may be is kept in a file without a name.

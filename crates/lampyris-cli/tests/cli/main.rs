@@ -51,6 +51,17 @@ position = [0, 3, 0]
 power = 100
 "#;
 
+/// A ball before a wall, of which a laser lights a point.
+pub(crate) const WALL: &str = "camera = { origin = [0, 0, 1], capture = { wall = 'wall', mode = 'single' } }
+film = { size = [4, 3], time = { bins = 5, start = 1, bin-width = 0.5, layers = ['direct'] } }
+integrator = { type = 'path' }
+lights = [{ type = 'laser', position = [1, 0, 1], target = [0.3, 0.2, 0] }]
+shapes = [
+    { type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0], name = 'wall' },
+    { type = 'sphere', center = [0, 0, 1.5] },
+]
+";
+
 /// A folder of its own for a test, with the program run inside it.
 pub(crate) struct Folder(tempfile::TempDir);
 

@@ -1,6 +1,6 @@
 //! `lampyris transient`, on light by time that is made by hand.
 
-use super::Folder;
+use super::{Folder, WALL};
 
 /// A file of one pixel for each of `light`'s columns, with its bins of a tenth of a scene unit.
 fn folder_with(light: &[&[f32]]) -> Folder {
@@ -139,16 +139,7 @@ fn a_capture_becomes_hdf5_and_anything_else_is_told_why_not() {
 
 #[test]
 fn a_render_of_a_wall_knows_where_it_was_lit_and_one_of_anything_else_is_no_capture() {
-    let folder = Folder::with_scene(
-        "camera = { origin = [0, 0, 1], capture = { wall = 'wall', mode = 'exhaustive', laser-grid = [2, 1] } }
-        film = { size = [4, 3], time = { bins = 5, start = 1, bin-width = 0.5 } }
-        integrator = { type = 'path' }
-        lights = [{ type = 'laser', position = [1, 0, 1] }]
-        shapes = [
-            { type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0], name = 'wall' },
-            { type = 'sphere', center = [0, 0, 1.5] },
-        ]",
-    );
+    let folder = Folder::with_scene(&WALL.replace("'single'", "'exhaustive', laser-grid = [2, 1]"));
     folder.run("render scene.toml --passes 1 -o a.hdf5 -o a.npy -q");
     folder.run("transient a.npy -o b.hdf5 -q");
     assert!(folder.read("a.hdf5") == folder.read("b.hdf5"), "straight, and by way of the array");

@@ -86,7 +86,7 @@ impl Clock {
         }
     }
 
-    /// What the bins mean, in metres.
+    /// What the bins mean, of a scene in metres.
     pub fn timing(&self) -> Timing {
         Timing { unwarp: self.unwarp, index: self.index, ..Timing::new(self.start, self.bin_width()) }
     }
@@ -102,7 +102,7 @@ impl Clock {
     }
 
     /// Whether the variance of the bins is kept.
-    pub fn has_variance(&self) -> bool {
+    pub(super) fn has_variance(&self) -> bool {
         self.has_variance
     }
 

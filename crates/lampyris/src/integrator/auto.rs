@@ -3,21 +3,20 @@
 //! Direct light is path traced; all other light can also come from photons that lie near a point of the camera's path,
 //! and the power heuristic weighs all ways by their densities. Where photons are dense, few paths go on from there.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Eye, camera_pass};
+use super::blocks::{CameraPass, Eye};
 use super::guiding::{self, Judgement, Learned};
 use super::look::{Look, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::sharing::Sharing;
-use super::survey::{self, outlook, survey};
+use super::survey::{outlook, survey};
 use super::volume::{VolumeEstimate, Wishes};
-use super::{Integrator, Observer, Pass, Phase, Work, pilot};
+use super::{Integrator, Observer, Pass, Phase, Work, pilot, with};
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Guide, Outlook, Sightings};
@@ -150,11 +149,6 @@ impl Eye for Merged {
     }
 }
 
-/// The scene with its photons guided.
-fn guided<'s>(scene: &'s Scene, guide: &Option<Arc<Guide>>) -> Cow<'s, Scene> {
-    guide.as_ref().map_or(Cow::Borrowed(scene), |guide| Cow::Owned(scene.guided(guide.clone())))
-}
-
 impl Pilot {
     fn measure(
         scene: &Scene,
@@ -181,11 +175,11 @@ impl Pilot {
             volume: None,
             seen,
         };
-        let scene = &*survey::with(scene, &pilot.outlook(scene));
+        let scene = &*with(scene, &pilot.outlook(scene), Scene::with_outlook);
         let rounds = if settings.guiding { guiding::ROUNDS } else { 0 };
         for round in 0..=rounds {
             let pass = Pass { index: pilot::PASS - round, seed };
-            let scene = &*guided(scene, &pilot.guide());
+            let scene = &*with(scene, &pilot.guide(), Scene::guided);
             let counting = Counting::new(observer);
             pilot.volume = pilot.volume_estimate(scene, film, settings, seed, &counting);
             let maps = pilot.look_around(scene, film, settings, &pass, &counting);
@@ -203,7 +197,7 @@ impl Pilot {
         }
         // What is changed so is measured again.
         let pass = Pass { index: pilot::PASS - rounds - 1, seed };
-        let scene = &*guided(scene, &pilot.guide());
+        let scene = &*with(scene, &pilot.guide(), Scene::guided);
         pilot.look_around(scene, film, settings, &pass, observer);
         pilot.volume = pilot.volume_estimate(scene, film, settings, seed, observer).map(|estimate| {
             let direct = Sharing::measure(scene, film, settings, pilot.photons(settings), estimate, seed, observer);
@@ -388,15 +382,15 @@ impl Integrator for Auto {
         observer: &dyn Observer,
         arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
-        let scene = &*survey::with(scene, &self.outlook);
-        let scene = &*guided(scene, &self.guide);
+        let scene = &*with(scene, &self.outlook, Scene::with_outlook);
+        let scene = &*with(scene, &self.guide, Scene::guided);
         let (merging, max_bounces) = (self.merging(pass), self.settings.max_bounces);
         let maps = photon_maps(scene, &merging, self.pilot.volume, max_bounces, pass, observer);
         observer.phase(Phase::Camera);
         let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         let sharing = Sharing::of(self.pilot.volume, &maps);
         let eye = Merged { maps, sharing, merging, limits };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &eye, arrived)
+        CameraPass { scene, film, pass, samples: self.settings.samples, layers, observer }.expose(&eye, arrived)
     }
 
     fn area(&self, pass: &Pass) -> Option<f64> {

@@ -31,40 +31,30 @@ pub(super) trait Eye: Sync {
     ) -> u32;
 }
 
-/// Walks from the camera: shows `eye` so many samples of every pixel, and takes the mean by the film's filter, with the time
-/// at which light arrives where the film has time, of which `arrived` is told row by row, and with what these layers need.
-#[expect(clippy::too_many_arguments, reason = "it is what an integrator is asked for, with its eye and its samples")]
-pub(super) fn camera_pass(
-    scene: &Scene,
-    film: &FilmDescription,
-    pass: &Pass,
-    samples: u32,
-    layers: Layers,
-    observer: &dyn Observer,
-    eye: &impl Eye,
-    arrived: &mut dyn FnMut(&[Arrival]),
-) -> Exposure {
-    let rows = Rows { scene, film, pass, samples, observer };
-    let clock = Clock::of(film);
-    match (&clock, layers.is_empty()) {
-        (None, true) => rows.expose(&Plain::default(), 0, eye, arrived),
-        (None, false) => rows.expose(&Layered::default(), 0, eye, arrived),
-        (Some(clock), none) => rows.expose(&Timed::new(clock, !none), clock.most_bytes(), eye, arrived),
+/// Walks from the camera, row by row: what an integrator is asked for, and how many samples it takes of every pixel.
+pub(super) struct CameraPass<'a> {
+    pub scene: &'a Scene,
+    pub film: &'a FilmDescription,
+    pub pass: &'a Pass,
+    pub samples: u32,
+    pub layers: Layers,
+    pub observer: &'a dyn Observer,
+}
+
+impl CameraPass<'_> {
+    /// Shows `eye` every sample, and takes the mean by the film's filter, with the time at which light arrives where the film
+    /// has time, of which `arrived` is told row by row, and with what the layers need.
+    pub(super) fn expose(&self, eye: &impl Eye, arrived: &mut dyn FnMut(&[Arrival])) -> Exposure {
+        let clock = Clock::of(self.film);
+        match (&clock, self.layers.is_empty()) {
+            (None, true) => self.expose_in(&Plain::default(), 0, eye, arrived),
+            (None, false) => self.expose_in(&Layered::default(), 0, eye, arrived),
+            (Some(clock), none) => self.expose_in(&Timed::new(clock, !none), clock.most_bytes(), eye, arrived),
+        }
     }
-}
 
-/// The pixels of a pass, row by row.
-struct Rows<'a> {
-    scene: &'a Scene,
-    film: &'a FilmDescription,
-    pass: &'a Pass,
-    samples: u32,
-    observer: &'a dyn Observer,
-}
-
-impl Rows<'_> {
     /// Every sample in a sink like `empty`, which takes up to so many bytes beside its own size.
-    fn expose<S: Sink>(
+    fn expose_in<S: Sink>(
         &self,
         empty: &S,
         most_bytes: usize,
@@ -90,7 +80,7 @@ impl Rows<'_> {
 
     /// A row, counted from the topmost one that reaches the picture.
     fn row<S: Sink>(&self, y: usize, reach: usize, empty: &S, eye: &impl Eye) -> Band<S> {
-        let Rows { scene, film, pass, samples, observer } = *self;
+        let CameraPass { scene, film, pass, samples, observer, .. } = *self;
         let [width, height] = film.size.map(|side| side as usize);
         let (mut working, mut rays) = (Default::default(), 0);
         let (mut band, mut sink) = (Band::new(width, reach, empty), empty.clone());

@@ -5,7 +5,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::blocks::{Eye, camera_pass, light_pass};
+use super::blocks::{CameraPass, Eye, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
@@ -47,7 +47,8 @@ impl Integrator for LightTracing {
         let (observer, eye) = (&Rowless(observer), &PlainSight { limits });
         let mut in_sight = Vec::new();
         let mut see = |part: &[Arrival]| in_sight.extend_from_slice(part);
-        let mut exposure = camera_pass(scene, film, pass, 1, layers, observer, eye, &mut see);
+        let camera_pass = CameraPass { scene, film, pass, samples: 1, layers, observer };
+        let mut exposure = camera_pass.expose(eye, &mut see);
         // Splats come to any pixel at any time: there are no parts before all are there.
         exposure.arrivals = in_sight;
         let clock = Clock::of(film);

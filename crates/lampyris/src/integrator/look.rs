@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
 use super::sharing::Sharing;
-use super::volume::gather;
+use super::volume::MediumPhotons;
 use crate::film::Sink;
 use crate::light::{Illumination, LightId, Vista};
 use crate::material::{Event, Lobes, Scattered};
@@ -265,8 +265,8 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             if path.bounce < self.max_bounces {
                 sharing.shadow_ray(self.scene, segment, path, sampler, self.sink);
             }
-            let direct = |distance| sharing.of_photons(distance);
-            gather(map, segment, path, self.max_bounces, sampler, self.sink, direct, |beam, light| {
+            let photons = MediumPhotons { map, max_bounces: self.max_bounces, sharing: Some(sharing) };
+            photons.gather(segment, path, sampler, self.sink, |beam, light| {
                 if let Some(tally) = &mut tally {
                     tally.push((beam.path, light.mean()));
                 }

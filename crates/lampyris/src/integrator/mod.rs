@@ -23,6 +23,9 @@ pub use path::PathTracing;
 pub use photon_map::PhotonMapping;
 pub use range::timed;
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers};
 pub use crate::observer::{Observer, Phase, Silent, Work};
@@ -81,6 +84,11 @@ pub trait Integrator: Send + Sync {
     fn pilot(&self) -> Vec<u8> {
         Vec::new()
     }
+}
+
+/// The scene with what was learned of it, if anything was.
+fn with<'s, T>(scene: &'s Scene, learned: &Option<Arc<T>>, with: fn(&Scene, Arc<T>) -> Scene) -> Cow<'s, Scene> {
+    learned.as_ref().map_or(Cow::Borrowed(scene), |learned| Cow::Owned(with(scene, learned.clone())))
 }
 
 /// The integrator that a scene file or a command line asks for. Chooses the photon map's first radius by a pilot

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Eye, camera_pass};
+use super::blocks::{CameraPass, Eye};
 use super::look::Look;
-use super::survey::{self, outlook, survey};
-use super::{Integrator, Observer, Pass, Phase, pilot};
+use super::survey::{outlook, survey};
+use super::{Integrator, Observer, Pass, Phase, pilot, with};
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Outlook, Sightings};
@@ -70,9 +70,10 @@ impl Integrator for PathTracing {
         arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
         observer.phase(Phase::Camera);
-        let scene = &*survey::with(scene, &self.outlook);
+        let scene = &*with(scene, &self.outlook, Scene::with_outlook);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
-        camera_pass(scene, film, pass, self.settings.samples, layers, observer, &Paths { limits }, arrived)
+        CameraPass { scene, film, pass, samples: self.settings.samples, layers, observer }
+            .expose(&Paths { limits }, arrived)
     }
 
     fn name(&self) -> &'static str {

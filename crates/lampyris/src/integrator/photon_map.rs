@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Eye, camera_pass};
+use super::blocks::{CameraPass, Eye};
 use super::look::note;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
-use super::volume::{VolumeEstimate, Wishes, gather};
+use super::volume::{MediumPhotons, VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers, Sink};
@@ -105,7 +105,7 @@ impl Integrator for PhotonMapping {
                 let PhotonMapSettings { direct, max_bounces, samples, .. } = self.settings;
                 let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
                 let eye = Gathering { estimate, volume: volume.as_ref(), direct, limits };
-                camera_pass(scene, film, pass, samples, layers, observer, &eye, arrived)
+                CameraPass { scene, film, pass, samples, layers, observer }.expose(&eye, arrived)
             }
             Show::Photons => dots::draw(scene, film, &maps.surface, |_| true).into(),
             Show::Caustics => dots::draw(scene, film, &maps.surface, Photon::is_caustic).into(),
@@ -195,7 +195,8 @@ impl<S: Sink> Visitor for Gather<'_, S> {
 
     fn segment(&mut self, segment: &Segment, path: &PathState, sampler: &mut Sampler) {
         if let Some(map) = self.volume {
-            gather(map, segment, path, self.max_bounces, sampler, self.sink, |_| 1.0, |_, _| {});
+            let photons = MediumPhotons { map, max_bounces: self.max_bounces, sharing: None };
+            photons.gather(segment, path, sampler, self.sink, |_, _| {});
         }
     }
 

@@ -3,7 +3,6 @@
 //! Paths from the camera shoot shadow rays wherever they come, and note what came through. Points that lie together and face
 //! the same way then share what they saw; where much was seen, smaller groups of them.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -11,7 +10,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::path::CAMERA_ROULETTE_FROM;
-use super::{Observer, Phase, Work};
+use super::{Observer, Phase, Work, with};
 use crate::light::{Node, Outlook, Parts, SIDES, Sightings, side};
 use crate::material::Lobes;
 use crate::sampler::{Sampler, purpose};
@@ -79,7 +78,7 @@ pub(super) fn survey(
     let mut gain = 0.0;
     for (round, share) in (0..).zip(ROUNDS) {
         let known = seen.as_ref().and_then(|seen| outlook(scene, seen));
-        let scene = &*with(scene, &known);
+        let scene = &*with(scene, &known, Scene::with_outlook);
         let more = shoot(scene, size, (max_bounces, seed, round), (share * paths) as u64, &parts, observer);
         gain = gain_of(&more);
         shots.extend(more);
@@ -113,11 +112,6 @@ fn gain_of(shots: &[Shot]) -> f64 {
 /// As shadow rays use it.
 pub(super) fn outlook(scene: &Scene, seen: &Sightings) -> Option<Arc<Outlook>> {
     scene.outlook(seen).map(Arc::new)
-}
-
-/// The scene with what was learned.
-pub(super) fn with<'s>(scene: &'s Scene, outlook: &Option<Arc<Outlook>>) -> Cow<'s, Scene> {
-    outlook.as_ref().map_or(Cow::Borrowed(scene), |outlook| Cow::Owned(scene.with_outlook(outlook.clone())))
 }
 
 fn shoot(

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::photons::Photons;
 use super::pilot::{PASS, fallback, look, median};
-use super::sharing::from_lamp;
+use super::sharing::{Sharing, from_lamp};
 use super::{Observer, Pass};
 use crate::film::Sink;
 use crate::material::Lobes;
@@ -31,7 +31,7 @@ pub(super) struct VolumeEstimate {
     pub alpha: Option<f32>,
     /// By photons of so many light paths of a pass, at most.
     pub paths: u64,
-    /// The part of the light straight from lamps that photons bring, 0 to 1: see [`Sharing`](super::sharing::Sharing).
+    /// The part of the light straight from lamps that photons bring, 0 to 1: see [`Sharing`].
     pub direct: f32,
 }
 
@@ -208,36 +208,46 @@ impl Visitor for Along<'_> {
     }
 }
 
-/// Leaves at `sink` the light of all photons that have been scattered at most so often and shine along a segment, and tells of
-/// each; of light straight from a lamp that shadow rays find, too, at this distance, so much.
-#[allow(clippy::too_many_arguments, reason = "each is another part of what a path sees")]
-pub(super) fn gather<S: Sink>(
-    map: &VolumeMap,
-    segment: &Segment,
-    path: &PathState,
-    max_bounces: u32,
-    sampler: &mut Sampler,
-    sink: &mut S,
-    direct: impl Fn(f32) -> f32,
-    mut tell: impl FnMut(&Beam, Spectrum),
-) {
-    // The event in which the photons are read is one of the path's, too.
-    let Some(most) = max_bounces.checked_sub(path.bounce + 1) else { return };
-    let aside = sampler.aside();
-    map.gather(segment, path.slowness, sampler, |beam, light, [leg, way]| {
-        if u32::from(beam.bounce) > most {
-            return;
-        }
-        let share = if beam.is_rivalled() { direct(from_lamp([leg, way], path)) } else { 1.0 };
-        let light = path.throughput * light * share;
-        tell(beam, light);
-        if S::TIMED && path.bounce == 0 {
-            sink.particle(path.optical_length + leg);
-        }
-        let events = path.bounce + 1 + u32::from(beam.bounce);
-        let met = Met { events, is_caustic: path.bounce == 0 && beam.is_caustic(), particles: true };
-        let key = [beam.path, u32::from(beam.bounce) << 16 | path.bounce & 0xffff];
-        let delay = if S::TIMED { segment.matter.delay(|| aside.uniform(key)) } else { 0.0 };
-        sink.add(light, met, path.optical_length + way + delay);
-    });
+/// The photons of a pass in media, as paths from the camera read them.
+pub(super) struct MediumPhotons<'m> {
+    pub map: &'m VolumeMap,
+    /// Of a path and what it reads together.
+    pub max_bounces: u32,
+    /// With shadow rays, of light straight from lamps; where there is nobody to share with, photons bring all.
+    pub sharing: Option<Sharing>,
+}
+
+impl MediumPhotons<'_> {
+    /// Leaves at `sink` the light of all that shine along a segment, and tells of each.
+    pub(super) fn gather<S: Sink>(
+        &self,
+        segment: &Segment,
+        path: &PathState,
+        sampler: &mut Sampler,
+        sink: &mut S,
+        mut tell: impl FnMut(&Beam, Spectrum),
+    ) {
+        // The event in which the photons are read is one of the path's, too.
+        let Some(most) = self.max_bounces.checked_sub(path.bounce + 1) else { return };
+        let aside = sampler.aside();
+        self.map.gather(segment, path.slowness, sampler, |beam, light, [leg, way]| {
+            if u32::from(beam.bounce) > most {
+                return;
+            }
+            let share = match &self.sharing {
+                Some(sharing) if beam.is_rivalled() => sharing.of_photons(from_lamp([leg, way], path)),
+                _ => 1.0,
+            };
+            let light = path.throughput * light * share;
+            tell(beam, light);
+            if S::TIMED && path.bounce == 0 {
+                sink.particle(path.optical_length + leg);
+            }
+            let events = path.bounce + 1 + u32::from(beam.bounce);
+            let met = Met { events, is_caustic: path.bounce == 0 && beam.is_caustic(), particles: true };
+            let key = [beam.path, u32::from(beam.bounce) << 16 | path.bounce & 0xffff];
+            let delay = if S::TIMED { segment.matter.delay(|| aside.uniform(key)) } else { 0.0 };
+            sink.add(light, met, path.optical_length + way + delay);
+        });
+    }
 }

@@ -85,7 +85,7 @@ pub(super) fn evenly(light: &impl Aim, surfaces: &Surfaces, sampler: &mut Sample
 
 impl Section {
     /// Those rays through a focus that belong to the same light; all, where the focus cannot be told apart.
-    pub fn toward(&self, focus: &Focus) -> Section {
+    pub(super) fn toward(&self, focus: &Focus) -> Section {
         match *self {
             Section::Cap { origin, .. } | Section::Hemisphere { origin, .. } => {
                 let to = focus.center - origin;

@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 /// Cells a side.
-pub const ACROSS: usize = 16;
+pub(super) const ACROSS: usize = 16;
 
 /// A piecewise constant density over the unit square, as [`Grid`](crate::math::Grid) is one: of cells in columns along x and
 /// rows along y.

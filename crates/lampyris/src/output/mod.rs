@@ -21,12 +21,14 @@ mod hdr;
 mod jpeg;
 mod limits;
 mod npy;
+mod npz;
 mod pfm;
 mod photons;
 mod plot;
 mod png;
 mod ppm;
 mod scene;
+mod sidecar;
 mod tal;
 #[cfg(test)]
 mod tests;
@@ -42,11 +44,10 @@ pub use atomic::{check_writable, write_whole, write_whole_by};
 pub use photons::{PhotonFormat, check_photons_path, encode_photons, write_photons};
 pub use plot::{check_pixel, map_csv, profile_csv, profile_svg};
 pub use scene::{check_scene_path, write_scene};
+pub use sidecar::sidecar_path;
 pub use tal::{encode_tal, is_hdf5, write_tal};
 pub use timed::write_timed;
-pub use transient::{
-    TransientFormat, check_transient_path, read_transient, sidecar_path, write_phasors, write_transient,
-};
+pub use transient::{TransientFormat, check_transient_path, read_transient, write_phasors, write_transient};
 pub use video::{VideoFormat, check_frame_rate, encode_video};
 
 use crate::error::{Error, Result, did_you_mean};

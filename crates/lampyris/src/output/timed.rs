@@ -7,39 +7,30 @@ use rayon::prelude::*;
 
 use super::atomic::{write_whole, write_whole_by};
 use super::npy::encode_header;
+use super::npz::{Member, write_npz};
+use super::sidecar::{Facts, Layering, encode_phasor_sidecar, encode_sidecar, sidecar_path};
 use super::tal::{is_hdf5, write_tal};
-use super::transient::{
-    ARRAY, Facts, Layering, Member, SIDECAR, TransientFormat, encode_phasor_sidecar, encode_sidecar, layer_path,
-    member_of, sidecar_path, write_npz,
-};
+use super::transient::{ARRAY, SIDECAR, TransientFormat, layer_path, member_of};
 use crate::error::{Error, Result};
 use crate::film::{Clock, Film};
 use crate::image::luminance;
-use crate::transient::{Capture, TimeLayer};
+use crate::transient::TimeLayer;
 
-/// Writes the time bins of a film, of a wall that was captured so, as [`write_transient`](super::write_transient) or
-/// [`write_tal`] do, or its amplitudes as
+/// Writes the time bins of a film as [`write_transient`](super::write_transient) or [`write_tal`] do, or its amplitudes as
 /// [`write_phasors`](super::write_phasors) does, with its layers in time: beside `NAME.npy`, `NAME.LAYER.npy` with a `.json` of
 /// its own; within an `.npz`, `LAYER.npy`, where amplitudes of all light are `phasors.npy`. Each file is written whole or not
 /// at all, and but for HDF5 a part at a time, so that there is no copy of the film in memory.
 ///
 /// # Errors
 /// A film without time, another extension than `.npy`, `.npz` and `.hdf5`, or what the operating system says.
-pub fn write_timed(path: &Path, film: &Film, capture: Option<&Capture>) -> Result<()> {
-    let [width, height] = film.size();
-    capture.map_or(Ok(()), |capture| capture.check(width, height))?;
+pub fn write_timed(path: &Path, film: &Film) -> Result<()> {
     if is_hdf5(path) {
-        let light = film.transient(None)?;
-        let light = match capture {
-            Some(capture) => light.with_capture(capture.clone())?,
-            None => light,
-        };
-        return write_tal(path, &light);
+        return write_tal(path, &film.transient(None)?);
     }
     let clock = film.clock().ok_or_else(|| Error::new("the film has no time bins"))?;
     let layers: Vec<TimeLayer> = clock.layers().iter().collect();
     let names: Vec<String> = layers.iter().map(ToString::to_string).collect();
-    let whole = Array { film, clock, capture, layer: None, layering: Layering { layer: None, layers: &names } };
+    let whole = Array { film, clock, layer: None, layering: Layering { layer: None, layers: &names } };
     let parts = layers.iter().zip(&names).map(|(&layer, name)| {
         let layering = Layering { layer: Some(name), layers: &[] };
         (name, Array { layer: Some(layer), layering, ..whole })
@@ -65,7 +56,6 @@ pub fn write_timed(path: &Path, film: &Film, capture: Option<&Capture>) -> Resul
 struct Array<'a> {
     film: &'a Film,
     clock: &'a Clock,
-    capture: Option<&'a Capture>,
     layer: Option<TimeLayer>,
     layering: Layering<'a>,
 }
@@ -124,7 +114,7 @@ impl<'a> Array<'a> {
             let (frequencies, start) = (self.clock.frequencies(), self.clock.start());
             return Ok(encode_phasor_sidecar([height, width], &frequencies, start, self.layering));
         }
-        let facts = Facts { timing: self.clock.timing(), size: [height, width, count], capture: self.capture };
+        let facts = Facts { timing: self.clock.timing(), size: [height, width, count], capture: self.film.capture() };
         encode_sidecar(&facts, self.layering)
     }
 }
@@ -160,7 +150,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         for name in ["a.npy", "a.npz"] {
             let path = folder.path().join(name);
-            write_timed(&path, &film(), None).expect("written");
+            write_timed(&path, &film()).expect("written");
             let read = |layer| read_transient(&path, layer, None).map(|light| light.profile(0, 0).to_vec());
             assert_eq!(read(None).expect("all light"), [[0.0; 3], [2.0; 3], [4.0; 3]]);
             assert_eq!(read(Some("direct")).expect("direct"), [[0.0; 3], [2.0; 3], [0.0; 3]]);

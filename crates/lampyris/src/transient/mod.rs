@@ -18,7 +18,6 @@ pub(crate) use phasor::{phase, phasor_frequencies};
 pub use pulse::{Pulse, Table};
 pub use spad::{Counting, Spad};
 pub use tof::TimeOfFlight;
-pub use views::rainbow_color;
 
 use std::sync::Arc;
 

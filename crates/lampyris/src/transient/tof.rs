@@ -33,7 +33,7 @@ impl TimeOfFlight {
 
     /// What the four buckets of a pixel collect: Q_k = Σ L(s) (1 + m cos(2πs/Λ - kπ/2)) / 2 over the bins, with L the
     /// luminance and s the middle of a bin.
-    pub fn buckets(&self, transient: &Transient, profile: &[[f32; 3]]) -> [f64; 4] {
+    fn buckets(&self, transient: &Transient, profile: &[[f32; 3]]) -> [f64; 4] {
         let mut sums = [0.0; 4];
         for (bin, &value) in profile.iter().enumerate() {
             let light = f64::from(luminance(value));
@@ -49,8 +49,7 @@ impl TimeOfFlight {
 
     /// The depth that such a camera takes its pixels to have: Λφ/4π with φ = atan2(Q₁ - Q₃, Q₀ - Q₂) in 0..2π, half of the
     /// path there and back; in scene units, from 0 to before [`TimeOfFlight::range`], and infinite where it is dark or light is not
-    /// finite. Where light
-    /// comes by several ways it is none of their lengths, as in a real camera.
+    /// finite. Where light comes by several ways it is none of their lengths, as in a real camera.
     pub fn depths(&self, transient: &Transient) -> Image {
         transient.picture(|profile| {
             let [q0, q1, q2, q3] = self.buckets(transient, profile);

@@ -103,7 +103,7 @@ pub(super) fn peak(profile: &[[f32; 3]]) -> Option<(usize, f32)> {
 }
 
 /// Hues at full saturation from red (0) by yellow, green and blue to violet (1), linear.
-pub fn rainbow_color(share: f32) -> [f32; 3] {
+fn rainbow_color(share: f32) -> [f32; 3] {
     // Three quarters of the circle of hues, each a sixth of it wide.
     let hue = share.clamp(0.0, 1.0) * 4.5;
     let channel = |center: f32| {

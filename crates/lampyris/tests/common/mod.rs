@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test file uses another part of it")]
 
 pub mod materials;
+pub mod rates;
 pub mod statistics;
 pub mod time;
 
@@ -11,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use lampyris::error::Result;
-use lampyris::film::Layers;
+use lampyris::film::{Film, Layers};
 use lampyris::geometry::MeshData;
 use lampyris::image::Image;
 use lampyris::import::toml::read_str;
@@ -89,9 +90,23 @@ impl Assets for Painted {
 impl Lit {
     /// The mean picture of so many passes.
     pub fn image(&self, passes: u32) -> Image {
-        let mut render = Render::new(&self.scene, &self.description, &Silent);
+        self.film(passes, Layers::NONE).image()
+    }
+
+    /// The film of so many passes, with these layers.
+    pub fn film(&self, passes: u32, layers: Layers) -> Film {
+        let mut render = Render::with_layers(&self.scene, &self.description, layers, &Silent);
         (0..passes).for_each(|_| render.step(&Silent));
-        render.film().image()
+        render.film().clone()
+    }
+
+    /// The film of these passes, one after the other, on so many threads.
+    pub fn film_on(&self, threads: usize, passes: [u32; 3]) -> Film {
+        on_threads(threads, || {
+            let mut render = Render::new(&self.scene, &self.description, &Silent);
+            passes.iter().for_each(|&pass| assert!(render.step_in(&(pass..pass + 1), &Silent)));
+            render.film().clone()
+        })
     }
 
     /// The picture of each pass: the mean over passes is the picture, with any filter.
@@ -121,6 +136,11 @@ impl Lit {
         let mapping = PhotonMapping::new(&self.scene, film, settings.clone(), seed, &Silent);
         mapping.map(&self.scene, &Pass { index: pass, seed }, &Silent)
     }
+}
+
+/// What comes of some work on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
 }
 
 /// The mean over the picture of one channel.

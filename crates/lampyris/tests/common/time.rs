@@ -1,9 +1,8 @@
 //! Films with time, as tests ask for them and read them.
 
-use lampyris::film::{Film, Layers};
+use lampyris::film::{Arrival, Film, Layers};
 use lampyris::image::luminance;
 use lampyris::integrator::{Pass, Silent, integrator};
-use lampyris::render::Render;
 
 use super::Lit;
 
@@ -23,29 +22,32 @@ pub fn bins(bins: u32, start: f64, width: f64) -> String {
     format!(" time.bins={bins} time.start={start:?} time.bin-width={width:?}")
 }
 
-pub fn film(lit: &Lit, passes: u32, layers: Layers) -> Film {
-    let mut render = Render::with_layers(&lit.scene, &lit.description, layers, &Silent);
-    (0..passes).for_each(|_| render.step(&Silent));
-    render.film().clone()
+/// The luminance that arrives in each of so many classes, in each pass.
+pub fn arriving(lit: &Lit, passes: u32, classes: usize, class: impl Fn(&Arrival) -> usize) -> Vec<Vec<f64>> {
+    let Lit { description, scene } = lit;
+    let (film, seed) = (&description.film, description.render.seed);
+    let integrator = integrator(scene, film, &description.integrator, seed, &Silent);
+    let mut each = vec![vec![0.0; passes as usize]; classes];
+    for index in 0..passes {
+        let pass = Pass { index, seed };
+        let exposure = integrator.expose(&scene.of_pass(seed, index), film, &pass, Layers::NONE, &Silent);
+        for arrival in exposure.arrivals {
+            each[class(&arrival)][index as usize] += f64::from(luminance(arrival.light));
+        }
+    }
+    each
+}
+
+/// How many slots the bins of a pixel make, with those before the first and after the last.
+pub fn slot_count(lit: &Lit) -> usize {
+    lit.description.film.time.as_ref().expect("a film with time").bins as usize + 2
 }
 
 /// The mean over the picture of the luminance in each slot, before the first bin and after the last too, of each pass.
 pub fn slots(lit: &Lit, passes: u32) -> Vec<Vec<f64>> {
-    let Lit { description, scene } = lit;
-    let (film, seed) = (&description.film, description.render.seed);
-    let integrator = integrator(scene, film, &description.integrator, seed, &Silent);
-    let slots = film.time.as_ref().expect("a film with time").bins as usize + 2;
-    let pixels = f64::from(film.size[0] * film.size[1]);
-    let mut each = vec![Vec::new(); slots];
-    for index in 0..passes {
-        let pass = Pass { index, seed };
-        let exposure = integrator.expose(&scene.of_pass(seed, index), film, &pass, Layers::NONE, &Silent);
-        let mut sums = vec![0.0; slots];
-        for arrival in exposure.arrivals {
-            sums[arrival.slot as usize] += f64::from(luminance(arrival.light)) / pixels;
-        }
-        each.iter_mut().zip(sums).for_each(|(values, sum)| values.push(sum));
-    }
+    let [width, height] = lit.description.film.size;
+    let mut each = arriving(lit, passes, slot_count(lit), |arrival| arrival.slot as usize);
+    each.iter_mut().flatten().for_each(|sum| *sum /= f64::from(width * height));
     each
 }
 

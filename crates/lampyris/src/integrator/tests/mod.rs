@@ -20,6 +20,7 @@ use glam::Vec3;
 use crate::import::toml::read_str;
 use crate::light::{Focus, Guide, Lesson, Node, Sightings};
 use crate::sampler::{Sampler, purpose};
+use crate::scene::description::SceneDescription;
 use crate::scene::{NoAssets, Scene, build};
 use crate::spectrum::Spectrum;
 use crate::transport::{Origin, PathState, walk};
@@ -38,14 +39,18 @@ struct Seen {
     shared: u32,
 }
 
+fn built(text: &str) -> (SceneDescription, Scene) {
+    let description = read_str("a.toml".as_ref(), text).unwrap_or_else(|error| panic!("{error}\n{text}")).description;
+    let scene = build(&description, &NoAssets).expect("a scene").scene;
+    (description, scene)
+}
+
 /// Compares the weights of all ways of the paths that so many walks give.
 #[track_caller]
 fn assert_weights(text: &str, walks: u64) -> Seen {
     let camera = "camera = { origin = [0.1, 0.3, -0.9], target = [0, -0.4, 0.2], fov = 70 }
         film = { size = [16, 16] }\n";
-    let text = camera.to_string() + text;
-    let description = read_str("a.toml".as_ref(), &text).unwrap_or_else(|error| panic!("{error}\n{text}")).description;
-    let even = build(&description, &NoAssets).expect("a scene").scene;
+    let (_, even) = built(&(camera.to_string() + text));
     let guide = Arc::new(guide(&even));
     let outlook = Arc::new(even.outlook(&sightings(&even)).expect("an outlook"));
     let scenes = [(even.guided(guide.clone()).with_outlook(outlook), Some(guide)), (even, None)];

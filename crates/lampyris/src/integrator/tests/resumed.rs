@@ -1,9 +1,7 @@
 //! What comes with a film from elsewhere is looked at before it is believed.
 
-use crate::import::toml::read_str;
+use super::built;
 use crate::integrator::{Silent, integrator, resumed};
-use crate::scene::description::SceneDescription;
-use crate::scene::{NoAssets, Scene, build};
 
 /// With a ball of glass so small that photons are guided to it.
 const BALL: &str = "film = { size = [16, 16] }
@@ -42,16 +40,10 @@ const SLOT: &str = "film = { size = [16, 16] }
         u = [9, 0, 0]
         v = [0, 0, 18]";
 
-fn scene(text: &str) -> (SceneDescription, Scene) {
-    let description = read_str("a.toml".as_ref(), text).expect("a scene").description;
-    let scene = build(&description, &NoAssets).expect("a scene").scene;
-    (description, scene)
-}
-
 /// What was measured, unless damage makes it something else. Returns how large it is, and how often damage was told.
 #[track_caller]
 fn assert_careful(text: &str, step: usize) -> (usize, usize) {
-    let (description, scene) = scene(text);
+    let (description, scene) = built(text);
     let (film, settings) = (&description.film, &description.integrator);
     let pilot = integrator(&scene, film, settings, 1, &Silent).pilot();
     let back = |bytes: &[u8]| resumed(&scene, settings, bytes);
