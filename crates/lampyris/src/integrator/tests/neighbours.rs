@@ -13,7 +13,7 @@ use crate::spectrum::Spectrum;
 /// Photons that have come straight down to a floor by ways of so many lengths, which differ by a tenth.
 fn photons(lengths: u32) -> PhotonMap {
     let photon = |number: u64| {
-        let mut sampler = Sampler::even(1, purpose::PILOT, 0, number);
+        let mut sampler = Sampler::new(1, 0, purpose::PILOT, number);
         let [place, length] = [sampler.square() * 2.0 - 1.0, sampler.square()].map(|square| square.extend(0.0));
         Photon {
             position: Vec3::new(place.x, 0.0, place.y),
@@ -49,7 +49,7 @@ fn bins(time: &str, lengths: u32) -> f32 {
 fn as_many_bins_are_told_as_there_are_lengths() {
     const BINS: &str = ", time = { bins = 1000, start = 0, bin-width = 0.01 }";
     for lengths in [1, 2, 5, 20] {
-        // 200,000 pairs, many of them of the same photons.
+        // Of independent photons, in some 200,000 pairs, many of them of the same photons.
         let told = bins(BINS, lengths);
         assert!((told / lengths as f32 - 1.0).abs() < 0.05, "{told} instead of {lengths}");
     }
