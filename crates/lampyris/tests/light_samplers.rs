@@ -48,8 +48,10 @@ fn with_lights(lights: &str) -> Scene {
 }
 
 /// The lamps that are shapes, each seen from somewhere beside it.
-const LAMPS: [(&str, [f32; 3]); 7] = [
+const LAMPS: [(&str, [f32; 3]); 9] = [
     ("{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0.5, 2, 0]", [0.3, 0.2, 0.8]),
+    ("{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0]", [0.3, 0.2, 0.3]),
+    ("{ type = 'quad', corner = [-1, -1, 0], u = [2, 0, 0], v = [0, 2, 0]", [1.2, 0.3, 0.4]),
     ("{ type = 'disk', radius = 1.2", [0.6, -0.2, 0.9]),
     ("{ type = 'sphere'", [0.9, 0.9, 0.9]),
     ("{ type = 'sphere', flip-normal = true", [0.3, -0.2, 0.5]),

@@ -12,6 +12,7 @@ mod mesh_data;
 mod plane;
 mod quad;
 mod ray;
+mod rectangle;
 mod shape;
 mod sphere;
 mod surfaces;

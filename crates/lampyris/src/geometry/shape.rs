@@ -72,6 +72,32 @@ impl Shape {
         }
     }
 
+    /// The same shape for a lamp that is as bright everywhere: shadow rays from nearby are then shot at a rectangle evenly
+    /// by solid angle.
+    #[must_use]
+    pub fn by_solid_angle(self) -> Shape {
+        if let Shape::Quad(quad) = self { Shape::Quad(quad.by_solid_angle()) } else { self }
+    }
+
+    /// A point uniform by the solid angle under which `from` sees the shape, with that density; none of shapes and from
+    /// places where points uniform by area have to do.
+    pub(super) fn sample_from(&self, from: Vec3, u: Vec2) -> Option<(Surface, f32)> {
+        match self {
+            Shape::Sphere(sphere) => sphere.sample_from(from, u),
+            Shape::Quad(quad) => quad.sample_from(from, u),
+            _ => None,
+        }
+    }
+
+    /// Density of [`Shape::sample_from`] per solid angle, in every direction that meets the shape; none where that has none.
+    pub(super) fn pdf_from(&self, from: Vec3) -> Option<f32> {
+        match self {
+            Shape::Sphere(sphere) => sphere.pdf_from(from),
+            Shape::Quad(quad) => quad.pdf_from(from),
+            _ => None,
+        }
+    }
+
     /// The colour of the vertices around a point of a mesh, linear RGB; none without such colours.
     pub(super) fn vertex_color(&self, triangle: u32, barycentric: Vec2) -> Option<[f32; 3]> {
         if let Shape::Mesh(mesh) = self { mesh.color(triangle as usize, barycentric) } else { None }

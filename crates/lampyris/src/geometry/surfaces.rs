@@ -234,12 +234,10 @@ impl Surfaces {
     }
 
     /// A point on a shape as seen from `from`, with its density per solid angle there: uniform in solid angle on a
-    /// sphere from outside, uniform by area on all else.
+    /// sphere from outside and on a [rectangle](Shape::by_solid_angle) from nearby, uniform by area on all else.
     pub fn sample_from(&self, shape: u32, from: Vec3, u: Vec2) -> Option<(Surface, f32)> {
         let placed = &self.shapes[shape as usize];
-        if let Shape::Sphere(sphere) = &placed.shape
-            && let Some((surface, pdf)) = sphere.sample_from(from, u)
-        {
+        if let Some((surface, pdf)) = placed.shape.sample_from(from, u) {
             return Some((placed.oriented(surface), pdf));
         }
         let surface = self.sample(shape, u)?;
@@ -248,12 +246,7 @@ impl Surfaces {
 
     /// Density of [`Surfaces::sample_from`] at `surface`, per solid angle at `from`; none where it cannot be sampled.
     pub fn pdf_from(&self, shape: u32, from: Vec3, surface: &Surface) -> Option<f32> {
-        if let Shape::Sphere(sphere) = &self.shapes[shape as usize].shape
-            && let Some(pdf) = sphere.pdf_from(from)
-        {
-            return Some(pdf);
-        }
-        self.area_pdf_from(shape, from, surface)
+        self.shapes[shape as usize].shape.pdf_from(from).or_else(|| self.area_pdf_from(shape, from, surface))
     }
 
     fn area_pdf_from(&self, shape: u32, from: Vec3, surface: &Surface) -> Option<f32> {

@@ -210,6 +210,13 @@ impl Chain {
         f64::from(vista.lights().probability(self.light as usize) * aimed.unwrap_or(1.0)) * density
     }
 
+    /// Whether shadow rays find the lamp so near that they are not even by its area.
+    pub(super) fn is_near(&self, scene: &Scene) -> bool {
+        let Lamp::Shape(shape, _) = self.lamp else { return false };
+        let of_area = self.shadow(scene) * f64::from(scene.surfaces().area(shape)) / self.chosen(scene).1;
+        scene.vista(&self.between[self.last() - 2].surface).is_none() && (of_area - 1.0).abs() > 0.01
+    }
+
     /// All ways to make the path, each with its density; none if there is something in its way.
     pub(super) fn ways(&self, scene: &Scene) -> Option<Vec<(Way, f64)>> {
         let last = self.last();

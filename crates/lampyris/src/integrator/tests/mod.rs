@@ -33,6 +33,8 @@ struct Seen {
     hits: u32,
     shadow_rays: u32,
     merges: u32,
+    /// Shadow rays at lamps that are near.
+    near: u32,
     /// Paths with mirrors or boundaries at their end, and elsewhere.
     glass: [u32; 2],
     /// Ways that made between 2 and 98 % of their path.
@@ -126,7 +128,10 @@ fn compare(scene: &Scene, chain: &Chain, seen: &mut Seen) {
     for (way, _) in ways {
         match way {
             Way::Hit => seen.hits += 1,
-            Way::Shadow => seen.shadow_rays += 1,
+            Way::Shadow => {
+                seen.shadow_rays += 1;
+                seen.near += u32::from(chain.is_near(scene));
+            }
             Way::Merge(_) => seen.merges += 1,
         }
     }
@@ -186,6 +191,14 @@ fn balls(left: &str, right: &str) -> String {
 fn weights_sum_to_one_between_smooth_walls_under_lamps() {
     let seen = assert_weights(&(WALLS.to_string() + LAMPS + &balls(ROUGH_PLASTIC, ROUGH_GLASS)), 600);
     assert!(seen.hits > 500 && seen.shadow_rays > 500 && seen.merges > 1000 && seen.shared > 1000, "{seen:?}");
+}
+
+/// The second lamp stands upright beside a wall here, so that both are rectangles.
+#[test]
+fn weights_sum_to_one_near_rectangles() {
+    let lamps = LAMPS.replace("u = [0, 0.8, 0.1]", "u = [0, 0.8, 0]");
+    let seen = assert_weights(&(WALLS.to_string() + &lamps + &balls(ROUGH_PLASTIC, PLASTIC)), 600);
+    assert!(seen.near > 100 && seen.hits > 500 && seen.merges > 1000 && seen.shared > 1000, "{seen:?}");
 }
 
 #[test]

@@ -97,7 +97,7 @@ impl<'d> Builder<'d> {
         if let GeometryDescription::Instance { group } = &shape.geometry {
             return self.add_instance(shape, group);
         }
-        let geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
+        let mut geometry = within_reach(geometry(&shape.geometry, &shape.transform.0, assets)?)?;
         let interior = self.media.interior(shape.interior.as_ref(), shape.priority)?;
         let material = materials.of_shape(shape.material.as_ref(), shape.emission.is_some(), interior.is_some())?;
         let (mut light, mut asks) = (None, materials.asks(material));
@@ -106,6 +106,9 @@ impl<'d> Builder<'d> {
             let area = area_light(number, emission, &geometry, materials).map_err(|error| error.under("emission"))?;
             asks = asks | area.radiance.asks();
             light = Some(self.lights.len() as LightId);
+            if matches!(area.radiance, Texture::Constant(_)) {
+                geometry = geometry.by_solid_angle();
+            }
             self.lights.push(area);
         }
         self.surfaces.add(geometry, shape.flip_normal);
