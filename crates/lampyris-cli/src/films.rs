@@ -109,15 +109,20 @@ fn holds_time(path: &Path) -> bool {
     TransientFormat::of(path).is_ok() || is_hdf5(path)
 }
 
-/// Finds what of these places has room for captures of walls alone, which this is not.
+/// Finds what of these places has room for bins of captured walls alone, which a film may not have.
 ///
 /// # Errors
 /// The first of them.
-pub fn check_without_capture(outputs: &[&Path]) -> Result<()> {
-    outputs.iter().find(|path| is_hdf5(path)).map_or(Ok(()), |path| {
-        Err(Error::new(format!("cannot write '{}': the camera captures no wall", path.display()))
-            .with_hint("HDF5 needs a camera with a capture; .npz holds light by time of any other"))
-    })
+pub fn check_captured(outputs: &[&Path], is_captured: bool, has_bins: bool) -> Result<()> {
+    let Some(path) = outputs.iter().find(|path| is_hdf5(path)).filter(|_| !is_captured || !has_bins) else {
+        return Ok(());
+    };
+    let (why, hint) = if is_captured {
+        ("the film has amplitudes in place of time bins", "HDF5 holds bins; .npz holds amplitudes, too")
+    } else {
+        ("the camera captures no wall", "HDF5 needs a camera with a capture; .npz holds light by time of any other")
+    };
+    Err(Error::new(format!("cannot write '{}': {why}", path.display())).with_hint(hint))
 }
 
 /// Finds what would stop a picture from being written to `path`; what only a film with time can be written to is no fault
@@ -208,9 +213,8 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     if sum.film().clock().is_none() {
         check_without_time(&pictures)?;
     }
-    if sum.film().capture().is_none() {
-        check_without_capture(&pictures)?;
-    }
+    let has_bins = sum.film().clock().is_some_and(|clock| clock.bins() > 0);
+    check_captured(&pictures, sum.film().capture().is_some(), has_bins)?;
     kept.iter().try_for_each(|path| write_film(path, |to| sum.write(to)))?;
     if !pictures.is_empty() {
         let (image, layers) = self::pictures(sum.film());

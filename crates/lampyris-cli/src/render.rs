@@ -47,8 +47,10 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let snapshots = Snapshots::new(outputs.first().map(PathBuf::as_path).filter(|_| arguments.snapshots))?;
     let mut imported = read(&arguments.scene)?;
     apply(arguments, &mut imported)?;
-    if imported.description.film.time.is_none() {
-        films::check_without_time(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    let paths: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+    let time = imported.description.film.time.as_ref();
+    if time.is_none() {
+        films::check_without_time(&paths)?;
     }
     let pool = pool(arguments.work.threads.map_or(0, usize::from))?;
     let has_picture = arguments.preview.contains(&PreviewTarget::Terminal);
@@ -61,9 +63,8 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     });
     display.clear();
     let (built, identity) = built?;
-    if built.scene.camera().wall().is_none() {
-        films::check_without_capture(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-    }
+    let has_bins = time.is_some_and(|time| !time.keeps_amplitudes());
+    films::check_captured(&paths, built.scene.camera().wall().is_some(), has_bins)?;
     if let (Some(path), Some(begun), Some(identity)) = (&arguments.resume, &begun, &identity) {
         belongs(path, begun, identity)?;
     }

@@ -63,6 +63,12 @@ fn a_merged_film_of_a_wall_knows_how_it_was_captured() {
 #[test]
 fn films_of_other_walls_and_of_none_are_told_so() {
     let folder = Folder::with_scene(WALL);
+    let amplitudes = "--set time.frequencies=0,0.5 --checkpoint p.film --passes 1";
+    let said = folder.refuse(&format!("render scene.toml -q {amplitudes} -o p.hdf5"));
+    assert!(said.contains("cannot write 'p.hdf5': the film has amplitudes in place of time bins"), "{said}");
+    folder.run(&format!("render scene.toml -q {amplitudes} -o p.npz"));
+    let said = folder.refuse("merge p.film -o p.hdf5");
+    assert!(said.contains("cannot write 'p.hdf5': the film has amplitudes in place of time bins"), "{said}");
     folder.run("render scene.toml -q -o a.npy --checkpoint a.film --pass-range 0..1");
     for (from, to, expected) in [
         ("'single'", "'confocal'", "of another camera.capture.mode: confocal instead of single"),
