@@ -102,7 +102,9 @@ pub(super) fn bins_of_neighbours(
         }
         let all = fluxes.values().sum::<f64>().powi(2) - equals;
         if all > 0.0 {
-            chances += (fluxes.values().map(|flux| flux * flux).sum::<f64>() - equals) / all;
+            let pairs = fluxes.values().map(|flux| flux * flux).sum::<f64>() - equals;
+            // Rounding could make it less.
+            chances += pairs.max(0.0) / all;
             points += 1;
         }
         Lobes::DELTA

@@ -22,7 +22,8 @@ fn photons(lengths: u32) -> PhotonMap {
             optical_length: 1.0 + 0.1 * (length.x * lengths as f32).floor(),
             reach: f32::INFINITY,
             slowness: 1.0,
-            flux: Spectrum::ONE,
+            // Unequal, so that rounding has its say.
+            flux: Spectrum::ONE * (0.1 * (1 + number % 7) as f32),
             rivals: 0.0,
             path: number as u32,
             bounce: 1,
