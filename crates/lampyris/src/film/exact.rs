@@ -188,26 +188,49 @@ impl Sum<'_> {
     fn add(&mut self, value: f64) {
         let bits = value.to_bits();
         let (exponent, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
-        let is_negative = bits >> 63 == 1;
-        // The value is mantissa × 2^(place + LOWEST).
-        let (mantissa, place) = match exponent {
-            0 if fraction == 0 => return,
-            0 => (fraction, 0),
-            0x7ff => {
-                *self.top |= match (fraction, is_negative) {
-                    (0, false) => POSITIVE_INFINITY,
-                    (0, true) => NEGATIVE_INFINITY,
-                    _ => NOT_A_NUMBER,
-                };
-                return;
-            }
-            _ => (fraction | 1 << 52, exponent - 1),
+        if exponent == 0 || exponent == 0x7ff {
+            return self.add_special(value);
+        }
+        // The value is mantissa × 2^(place + LOWEST), and its highest bit is number 52 of the mantissa.
+        let (mantissa, place) = (fraction | 1 << 52, exponent - 1);
+        let own = (place + 52) / WIDTH;
+        self.reach(own);
+        // What it has in the limb of its highest bit, which begins within the mantissa, and in the one below.
+        let down = own * WIDTH - place;
+        let first = mantissa >> down;
+        let second = if down < WIDTH { mantissa << (WIDTH - down) } else { mantissa >> (down - WIDTH) } & MASK;
+        let sign = if bits >> 63 == 1 { -1 } else { 1 };
+        let (high, low) = match i32::from(*self.top & LIMB) - own {
+            0 => (first, second),
+            1 => (0, first),
+            _ => (0, 0),
         };
-        self.reach((place + 63 - mantissa.leading_zeros() as i32) / WIDTH);
-        let top = i32::from(*self.top & LIMB);
-        let sign = if is_negative { -1 } else { 1 };
-        *self.high = self.high.wrapping_add(sign * limb(mantissa, place, top));
-        *self.low = self.low.wrapping_add(sign * limb(mantissa, place, top - 1));
+        *self.high = self.high.wrapping_add(sign * high as i64);
+        *self.low = self.low.wrapping_add(sign * low as i64);
+    }
+
+    /// Adds a zero, something infinite, no number, or one so small that its mantissa does not begin with a one.
+    #[cold]
+    fn add_special(&mut self, value: f64) {
+        let (is_negative, fraction) = (value.is_sign_negative(), value.to_bits() & ((1 << 52) - 1));
+        if !value.is_finite() {
+            *self.top |= match (value.is_nan(), is_negative) {
+                (false, false) => POSITIVE_INFINITY,
+                (false, true) => NEGATIVE_INFINITY,
+                _ => NOT_A_NUMBER,
+            };
+        } else if fraction > 0 {
+            self.reach((63 - fraction.leading_zeros() as i32) / WIDTH);
+            let top = i32::from(*self.top & LIMB);
+            let sign = if is_negative { -1 } else { 1 };
+            let in_limb = |limb: i32| match limb {
+                0 => (fraction & MASK) as i64,
+                1 => (fraction >> WIDTH) as i64,
+                _ => 0,
+            };
+            *self.high = self.high.wrapping_add(sign * in_limb(top));
+            *self.low = self.low.wrapping_add(sign * in_limb(top - 1));
+        }
     }
 
     fn merge(&mut self, high: i64, low: i64, top: u8) {
@@ -235,15 +258,6 @@ impl Sum<'_> {
             *self.top = *self.top & !LIMB | limb as u8;
         }
     }
-}
-
-/// What a value has in a limb, if that is its highest, the one below, or any above.
-#[inline]
-fn limb(mantissa: u64, place: i32, limb: i32) -> i64 {
-    // Up by a whole limb first, for the limb below the highest may begin below the mantissa.
-    let down = (limb + 1) * WIDTH - place;
-    let shifted = (u128::from(mantissa) << WIDTH) >> down.min(127);
-    (shifted as u64 & MASK) as i64
 }
 
 /// 2 to a power that a double can be.
