@@ -15,7 +15,7 @@ use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
 use crate::transient::Met;
 use crate::transport::{
-    Crossing, MediumPoint, PathState, Rivals, Segment, Visitor, direct_light, direct_light_in_medium, mis_weight, norm,
+    Crossing, MediumPoint, Origin, PathState, Rivals, Segment, Visitor, direct_light, direct_light_in_medium, mis_weight, norm,
     squared,
 };
 
@@ -33,6 +33,8 @@ pub(super) struct Look<'a, S, const MERGES: bool> {
     vista: Option<Vista<'a>>,
     /// Smooth events so far.
     smooth_events: u32,
+    /// What glimpses leave to the path of the light that it meets next.
+    left: f32,
     merge: Option<Merge<'a>>,
     /// Photons in media, and what part of the light straight from lamps is left to them.
     volume: Option<(&'a VolumeMap, Sharing)>,
@@ -215,7 +217,7 @@ fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; 
 
 impl<'a, S> Look<'a, S, false> {
     pub(super) fn alone(scene: &'a Scene, max_bounces: u32, sink: &'a mut S) -> Look<'a, S, false> {
-        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, merge: None, volume: None }
+        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, left: 1.0, merge: None, volume: None }
     }
 }
 
@@ -227,7 +229,8 @@ impl<'a, S> Look<'a, S, true> {
         merge: Merge<'a>,
         volume: Option<(&'a VolumeMap, Sharing)>,
     ) -> Look<'a, S, true> {
-        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, merge: Some(merge), volume }
+        let merge = Some(merge);
+        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, left: 1.0, merge, volume }
     }
 }
 
@@ -248,9 +251,31 @@ impl<S, const MERGES: bool> Look<'_, S, MERGES> {
 impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
     /// Adds light of a lamp that the path has reached.
     fn add(&mut self, light: Spectrum, path: &PathState, optical_length: f64) {
+        let light = light * self.left;
         // From the lamp, mirrors and glass came first, and then one smooth surface.
         let is_caustic = self.last.is_none() && self.smooth_events == 1;
         self.sink.add(light, Met { is_caustic, ..path.met(0) }, optical_length);
+    }
+
+    /// Looks where mirrors and glass would have led the path that has chosen otherwise, and adds the light of what shines
+    /// there. Returns what is left of such light for the path itself, if it goes where one of them leads: lamps are seen
+    /// in a coat or in a pane that mirrors little of what falls on it, and would be met too rarely.
+    #[inline(never)]
+    fn glimpse(&mut self, chosen: &Scattered, point: &SurfacePoint, path: &PathState) -> f32 {
+        let mut left = 1.0;
+        for delta in point.deltas() {
+            if delta.slot == chosen.slot {
+                left = chosen.pdf;
+                continue;
+            }
+            let mut aside = *path;
+            aside.turn(point, &delta, Origin::Camera);
+            if let Some((light, distance)) = self.scene.glimpse(&aside.ray, aside.cone) {
+                let optical_length = aside.optical_length + f64::from(aside.slowness * distance);
+                self.sink.add(aside.throughput * light, aside.met(0), optical_length);
+            }
+        }
+        left
     }
 }
 
@@ -284,6 +309,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             );
             self.add(path.throughput * emitted * weight, path, path.optical_length);
         }
+        self.left = 1.0;
         if path.bounce < self.max_bounces {
             self.vista = self.scene.vista(&point.surface);
             let merge = self.merge.as_ref().map(|merge| (merge.rivals.at(point), merge.goes_on()));
@@ -347,7 +373,10 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
         self.smooth_events += 1;
     }
 
-    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
+    fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
+        if self.smooth_events == 0 && point.may_glimpse() && self.scene.has_glimpses() {
+            self.left = self.glimpse(scattered, point, path);
+        }
         let smooth = Lobes::SMOOTH.contains(scattered.event);
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
         let last = Last { from: point.surface.position, pdf: on * scattered.pdf, vista: self.vista };

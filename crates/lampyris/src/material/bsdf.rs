@@ -140,6 +140,11 @@ impl Model<'_> {
         if to_previous.z > 0.0 { ior } else { 1.0 / ior }
     }
 
+    /// Whether a delta event has a direction of its own for each wavelength.
+    fn separates(&self, event: Event) -> bool {
+        matches!(self, Model::Glass(glass) if glass.followed(event, Vec3::ZERO).is_some())
+    }
+
     /// Whether smooth lobes lead through the surface.
     #[inline]
     pub fn transmits(&self) -> bool {
@@ -191,6 +196,8 @@ pub struct Scattered {
     pub ior_ratio: Spectrum,
     /// How much slower light is on the new side than on the old one: the same ratio, or that of group indices.
     pub slowness: f32,
+    /// What was chosen, among all events of all parts of the mix.
+    pub slot: u8,
 }
 
 impl Default for Bsdf<'_> {
@@ -332,17 +339,31 @@ impl<'a> Bsdf<'a> {
         if let Some((part, event)) = self.only(follow) {
             let rest = sampler.uniform();
             let u = numbers(rest, sampler);
-            return part.follow(event, 1.0, to_previous, u, |to_next| {
+            return part.follow((event.index(), 1.0), to_previous, u, |to_next| {
                 (part.drawn_pdf::<SEPARATES>(event, to_previous, to_next), part.eval(to_previous, to_next))
             });
         }
         let weights = self.weights(to_previous, follow);
         let used = weights[..usize::from(self.count)].as_flattened();
         let (slot, probability, total, rest) = choose_event(used, sampler.uniform())?;
-        let (part, event) = (&self.parts[slot / EVENTS], Event::ALL[slot % EVENTS]);
-        part.follow(event, probability, to_previous, numbers(rest, sampler), |to_next| {
+        self.parts[slot / EVENTS].follow((slot, probability), to_previous, numbers(rest, sampler), |to_next| {
             let pdf = self.smooth_pdf(&weights, |part, event| part.drawn_pdf::<SEPARATES>(event, to_previous, to_next));
             (pdf / total, self.eval(to_previous, to_next))
+        })
+    }
+
+    /// Where each delta event leads that has one direction for all wavelengths, with the weight of a path that always goes
+    /// there; none where nothing is to be chosen. Holes are no such event.
+    pub fn deltas(&self, to_previous: Vec3) -> impl Iterator<Item = Scattered> {
+        let is_choice = self.only(Lobes::ALL).is_none() && self.lobes.meets(Lobes::DELTA);
+        let parts = self.parts().iter().enumerate().filter(move |_| is_choice);
+        parts.flat_map(move |(number, part)| {
+            [Event::Specular, Event::Refraction].into_iter().filter_map(move |event| {
+                let slot = EVENTS * number + event.index();
+                let has_one = part.model.lobes().contains(event) && !part.model.separates(event);
+                let scattered = || part.follow((slot, 1.0), to_previous, Vec3::ZERO, |_| (0.0, Spectrum::ZERO));
+                has_one.then(scattered).flatten().filter(|scattered| !scattered.weight.is_zero())
+            })
         })
     }
 
@@ -420,18 +441,18 @@ impl Part<'_> {
         if self.flipped { Vec3::new(direction.x, direction.y, -direction.z) } else { direction }
     }
 
-    /// A direction for an event that was chosen with this probability; `smooth` gives the density and the value of all
-    /// that could have led there.
+    /// A direction for the event of a slot that was chosen with this probability; `smooth` gives the density and the value of
+    /// all that could have led there.
     #[inline]
     fn follow(
         &self,
-        event: Event,
-        probability: f32,
+        (slot, probability): (usize, f32),
         to_previous: Vec3,
         u: Vec3,
         smooth: impl FnOnce(Vec3) -> (f32, Spectrum),
     ) -> Option<Scattered> {
-        let local = self.turned(to_previous);
+        let (event, local) = (Event::ALL[slot % EVENTS], self.turned(to_previous));
+        let slot = slot as u8;
         let (to_next, ior_ratio) = self.model.scatter().sample(event, local, u)?;
         let to_next = self.turned(to_next);
         if Lobes::DELTA.contains(event) {
@@ -448,7 +469,7 @@ impl Part<'_> {
                 slowness = if local.z > 0.0 { below } else { 1.0 / below };
             }
             let ior_ratio = Spectrum::grey(ior_ratio);
-            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio, slowness });
+            return Some(Scattered { to_next, weight, pdf: probability, event, ior_ratio, slowness, slot });
         }
         let (pdf, value) = smooth(to_next);
         let (ior_ratio, slowness) = match &self.model {
@@ -456,7 +477,7 @@ impl Part<'_> {
             _ => (Spectrum::grey(ior_ratio), ior_ratio),
         };
         let weight = value * (to_next.z.abs() / pdf);
-        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness })
+        (pdf > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness, slot })
     }
 }
 

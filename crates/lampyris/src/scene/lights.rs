@@ -5,11 +5,12 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{Scene, SurfacePoint};
-use crate::geometry::{Ray, Surface, Surfaces};
+use crate::geometry::{Cone, Ray, Shape, Surface, Surfaces};
 use crate::light::{
     Emission, Far, Guide, Illumination, Leaving, Light, LightId, Outlook, Parts, Sightings, Source, Span, Vista,
     illuminate_by,
 };
+use crate::material::Bsdf;
 use crate::math::Distribution;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -24,7 +25,15 @@ pub(super) struct Lights {
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
     selection: Distribution,
+    /// Balls around all that shines and that a ray can meet, if these are few.
+    balls: Option<Vec<Ball>>,
 }
+
+/// A ball, by its centre and radius.
+type Ball = (Vec3, f32);
+
+/// More balls than this are not worth asking.
+const FEW: usize = 16;
 
 /// A light that was chosen with this probability.
 #[derive(Clone, Copy, Debug)]
@@ -307,6 +316,25 @@ impl Scene {
         })
     }
 
+    /// Whether [`Scene::glimpse`] sees what a path would meet next: neither fog nor aims come in between.
+    pub fn has_glimpses(&self) -> bool {
+        !self.has_media() && self.targets.is_none()
+    }
+
+    /// Radiance of what shines where a ray ends, and how far away that is, in scene units.
+    pub fn glimpse(&self, ray: &Ray, cone: Cone) -> Option<(Spectrum, f32)> {
+        if !self.lights.may_meet(ray) {
+            return None;
+        }
+        let Some(hit) = self.surfaces.closest(ray, f32::INFINITY) else {
+            return Some((self.background(ray.direction), self.distance_from_far(ray.origin, ray.direction)));
+        };
+        self.shapes[hit.shape as usize].light?;
+        let mut bsdf = Bsdf::default();
+        let point = self.point(ray, &hit, cone, &Spectrum::ONE, &mut bsdf);
+        Some((self.emitted_by_lamp(&point), hit.distance))
+    }
+
     fn far_lights(&self) -> impl Iterator<Item = (usize, &dyn Far)> {
         self.lights.far.iter().filter_map(|&index| Some((index, self.lights.all[index].far()?)))
     }
@@ -324,7 +352,31 @@ impl Lights {
         let even = 1.0 / all.len().max(1) as f64;
         let selection: Vec<f64> =
             powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
-        let far = (0..all.len()).filter(|&index| all[index].far().is_some()).collect();
-        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, all }
+        let far: Vec<usize> = (0..all.len()).filter(|&index| all[index].far().is_some()).collect();
+        let balls = if far.is_empty() { balls(&all, surfaces) } else { None };
+        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, balls, all }
     }
+
+    /// Whether a ray may meet anything that shines.
+    #[inline]
+    fn may_meet(&self, ray: &Ray) -> bool {
+        let Some(balls) = &self.balls else { return true };
+        balls.iter().any(|&(center, radius)| {
+            let offset = center - ray.origin;
+            let along = offset.dot(ray.direction).max(0.0);
+            (offset - along * ray.direction).length_squared() <= radius * radius
+        })
+    }
+}
+
+/// Balls around the shapes that shine.
+fn balls(lights: &[Light], surfaces: &Surfaces) -> Option<Vec<Ball>> {
+    let shapes: Vec<&Shape> = surfaces.shapes().collect();
+    let areas = lights.iter().filter_map(|light| if let Light::Area(area) = light { Some(area) } else { None });
+    let balls = areas.map(|area| {
+        let bounds = shapes.get(area.shape as usize)?.bounds()?;
+        // A little larger, for rounding.
+        Some((bounds.center(), 1.001 * bounds.radius() + f32::EPSILON * bounds.center().length()))
+    });
+    balls.collect::<Option<Vec<Ball>>>().filter(|balls| balls.len() <= FEW)
 }

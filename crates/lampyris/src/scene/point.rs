@@ -77,6 +77,20 @@ impl SurfacePoint<'_> {
         self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
     }
 
+    /// Whether delta events are among those that can happen, and holes are not.
+    #[inline]
+    pub fn may_glimpse(&self) -> bool {
+        self.bsdf.lobes().meets(Lobes::DELTA) && !self.bsdf.lobes().meets(Lobes::HOLES)
+    }
+
+    /// Where delta events would lead (world), if there is anything to choose between them and others; see [`Bsdf::deltas`].
+    pub fn deltas(&self) -> impl Iterator<Item = Scattered> {
+        self.bsdf.deltas(self.local_previous).filter_map(|scattered| {
+            let to_next = self.frame.to_world(scattered.to_next);
+            self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
+        })
+    }
+
     /// What [`Scattered::weight`] would be, times the density, for a direction (world) that a smooth lobe leads to.
     pub(super) fn weight(&self, to_next: Vec3) -> Spectrum {
         if !self.keeps_side(to_next) {

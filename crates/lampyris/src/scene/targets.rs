@@ -115,7 +115,8 @@ impl Scene {
         // The index of a wall that lets light through, too: with group indices it is a little off.
         let slowness = point.slowness_toward(to_next);
         let (weight, ior_ratio) = (weight / pdf, Spectrum::grey(slowness));
-        (aimed > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness })
+        let slot = event.index() as u8;
+        (aimed > 0.0).then_some(Scattered { to_next, weight, pdf, event, ior_ratio, slowness, slot })
     }
 
     /// The density per solid angle with which a path is aimed along a ray: at the first thing there.

@@ -215,7 +215,7 @@ fn goes_on(
 impl PathState {
     /// Leaves `point` in the direction that was chosen there.
     #[inline]
-    fn turn(&mut self, point: &SurfacePoint, scattered: &Scattered, origin: Origin) {
+    pub fn turn(&mut self, point: &SurfacePoint, scattered: &Scattered, origin: Origin) {
         self.throughput = self.throughput * scattered.weight;
         match origin {
             // Radiance over index squared is what a boundary keeps [Veach 1997, §5.2].

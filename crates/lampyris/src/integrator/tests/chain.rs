@@ -279,6 +279,7 @@ impl Chain {
             event,
             ior_ratio: Spectrum::grey(ior_ratio),
             slowness: ior_ratio,
+            slot: event.index() as u8,
         }
     }
 
