@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::{CameraPass, Eye};
 use super::guiding::{self, Judgement, Learned};
-use super::look::{Look, Merge, Merging};
+use super::look::Look;
+use super::merge::{Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::sharing::Sharing;

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Pass;
 use super::blocks::emitted;
-use super::look::{Look, Merge, Merging};
+use super::look::Look;
+use super::merge::{Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Maps;
 use super::sharing::Sharing;

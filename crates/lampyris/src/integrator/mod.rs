@@ -3,9 +3,11 @@
 mod auto;
 mod blocks;
 mod dots;
+mod glimpse;
 mod guiding;
 mod light;
 mod look;
+mod merge;
 mod path;
 mod photon_map;
 mod photons;

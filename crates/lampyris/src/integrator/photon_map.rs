@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::blocks::{CameraPass, Eye};
-use super::look::note;
+use super::merge::note;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::volume::{MediumPhotons, VolumeEstimate, Wishes};

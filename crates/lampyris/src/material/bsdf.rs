@@ -352,12 +352,23 @@ impl<'a> Bsdf<'a> {
         })
     }
 
+    /// Whether there is more than one event in all.
+    #[inline]
+    pub fn has_choice(&self) -> bool {
+        self.only(Lobes::ALL).is_none()
+    }
+
+    /// Whether it is glass and nothing else, which lets all wavelengths through in one direction.
+    pub fn is_clear(&self) -> bool {
+        let [part] = self.parts() else { return false };
+        let is_glass = self.lobes.contains(Event::Refraction) && !self.lobes.meets(Lobes::SMOOTH.with(Event::Pass));
+        is_glass && self.has_choice() && !part.model.separates(Event::Refraction)
+    }
+
     /// Where each delta event leads that has one direction for all wavelengths, with the weight of a path that always goes
-    /// there; none where nothing is to be chosen. Holes are no such event.
+    /// there. Holes are no such event.
     pub fn deltas(&self, to_previous: Vec3) -> impl Iterator<Item = Scattered> {
-        let is_choice = self.only(Lobes::ALL).is_none() && self.lobes.meets(Lobes::DELTA);
-        let parts = self.parts().iter().enumerate().filter(move |_| is_choice);
-        parts.flat_map(move |(number, part)| {
+        self.parts().iter().enumerate().flat_map(move |(number, part)| {
             [Event::Specular, Event::Refraction].into_iter().filter_map(move |event| {
                 let slot = EVENTS * number + event.index();
                 let has_one = part.model.lobes().contains(event) && !part.model.separates(event);
@@ -365,6 +376,29 @@ impl<'a> Bsdf<'a> {
                 has_one.then(scattered).flatten().filter(|scattered| !scattered.weight.is_zero())
             })
         })
+    }
+
+    /// The part whose glossy event is one of several, if there is no other such part.
+    fn gloss(&self) -> Option<&Part<'a>> {
+        if !self.lobes.contains(Event::Glossy) || self.separates || !self.has_choice() {
+            return None;
+        }
+        let mut parts = self.parts().iter().filter(|part| part.model.lobes().contains(Event::Glossy));
+        let part = parts.next()?;
+        parts.next().is_none().then_some(part)
+    }
+
+    /// A direction of the glossy event that is one of several, from three numbers uniform in 0..1; none where there is no
+    /// such event.
+    pub fn sample_gloss(&self, to_previous: Vec3, u: Vec3) -> Option<Vec3> {
+        let part = self.gloss()?;
+        let (to_next, _) = part.model.scatter().sample(Event::Glossy, part.turned(to_previous), u)?;
+        Some(part.turned(to_next))
+    }
+
+    /// The density per solid angle with which [`Bsdf::sample_gloss`] draws `to_next`.
+    pub fn gloss_pdf(&self, to_previous: Vec3, to_next: Vec3) -> f32 {
+        self.gloss().map_or(0.0, |part| part.pdf(Event::Glossy, to_previous, to_next))
     }
 
     /// The event that happens where there is nothing to choose, by far the most frequent case.

@@ -55,6 +55,12 @@ impl Lobes {
         self.0 & other.0 != 0
     }
 
+    /// The same and one more.
+    #[must_use]
+    pub const fn with(self, event: Event) -> Lobes {
+        Lobes(self.0 | 1 << event.index())
+    }
+
     /// The events that are in both sets.
     pub const fn and(self, other: Lobes) -> Lobes {
         Lobes(self.0 & other.0)

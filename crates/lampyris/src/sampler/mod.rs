@@ -64,6 +64,16 @@ impl Sampler {
         }
     }
 
+    /// The numbers of the next step, for something beside the path, which are as even as its own.
+    #[inline]
+    pub fn ahead(&self) -> Sampler {
+        let mut ahead = self.clone();
+        if let Some(sequence) = &mut ahead.sequence {
+            sequence.skip();
+        }
+        ahead
+    }
+
     /// Uniform in [0, 1), 24 bits.
     #[inline]
     pub fn uniform(&mut self) -> f32 {

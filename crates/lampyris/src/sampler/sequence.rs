@@ -31,6 +31,12 @@ impl Sequence {
         (self.set, self.dimension) = (set, UNREAD);
     }
 
+    /// Goes to the beginning of the next set.
+    #[inline]
+    pub(super) fn skip(&mut self) {
+        self.start(self.set + 1);
+    }
+
     /// The next number of 32 bits; none where only independent ones are left. `together` of them belong together and
     /// come from one set.
     #[inline]

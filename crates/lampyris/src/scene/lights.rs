@@ -321,18 +321,27 @@ impl Scene {
         !self.has_media() && self.targets.is_none()
     }
 
-    /// Radiance of what shines where a ray ends, and how far away that is, in scene units.
-    pub fn glimpse(&self, ray: &Ray, cone: Cone) -> Option<(Spectrum, f32)> {
+    /// Tells of all that shines where a ray ends: its radiance, how far away it is, in scene units, and the density per
+    /// solid angle with which [`Scene::illuminate`], asked at `from` where one sees this, finds it.
+    pub fn glimpse(
+        &self,
+        ray: &Ray,
+        cone: Cone,
+        (from, vista): (Vec3, Option<Vista>),
+        mut tell: impl FnMut(Spectrum, f32, f32),
+    ) {
         if !self.lights.may_meet(ray) {
-            return None;
+            return;
         }
         let Some(hit) = self.surfaces.closest(ray, f32::INFINITY) else {
-            return Some((self.background(ray.direction), self.distance_from_far(ray.origin, ray.direction)));
+            let distance = self.distance_from_far(ray.origin, ray.direction);
+            return self.backgrounds(ray, vista).for_each(|(radiance, pdf, _)| tell(radiance, distance, pdf));
         };
-        self.shapes[hit.shape as usize].light?;
-        let mut bsdf = Bsdf::default();
-        let point = self.point(ray, &hit, cone, &Spectrum::ONE, &mut bsdf);
-        Some((self.emitted_by_lamp(&point), hit.distance))
+        if self.shapes[hit.shape as usize].light.is_some() {
+            let mut bsdf = Bsdf::default();
+            let point = self.point(ray, &hit, cone, &Spectrum::ONE, &mut bsdf);
+            tell(self.emitted_by_lamp(&point), hit.distance, self.emitted_pdf(from, vista, &point));
+        }
     }
 
     fn far_lights(&self) -> impl Iterator<Item = (usize, &dyn Far)> {

@@ -77,10 +77,17 @@ impl SurfacePoint<'_> {
         self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
     }
 
-    /// Whether delta events are among those that can happen, and holes are not.
+    /// Whether one of several events sends light in one direction, or in some around it, and there are no holes.
     #[inline]
     pub fn may_glimpse(&self) -> bool {
-        self.bsdf.lobes().meets(Lobes::DELTA) && !self.bsdf.lobes().meets(Lobes::HOLES)
+        const NARROW: Lobes = Lobes::DELTA.with(Event::Glossy);
+        self.bsdf.lobes().meets(NARROW) && !self.bsdf.lobes().meets(Lobes::HOLES) && self.bsdf.has_choice()
+    }
+
+    /// See [`Bsdf::is_clear`].
+    #[inline]
+    pub fn is_clear(&self) -> bool {
+        self.bsdf.is_clear()
     }
 
     /// Where delta events would lead (world), if there is anything to choose between them and others; see [`Bsdf::deltas`].
@@ -89,6 +96,20 @@ impl SurfacePoint<'_> {
             let to_next = self.frame.to_world(scattered.to_next);
             self.keeps_side(to_next).then_some(Scattered { to_next, ..scattered })
         })
+    }
+
+    /// A direction (world) of the glossy event, if that is one of several; see [`Bsdf::sample_gloss`].
+    pub fn sample_gloss(&self, u: Vec3) -> Option<Vec3> {
+        let to_next = self.bsdf.sample_gloss(self.local_previous, u)?;
+        Some(self.frame.to_world(to_next)).filter(|&to_next| self.keeps_side(to_next))
+    }
+
+    /// The density per solid angle with which [`SurfacePoint::sample_gloss`] draws `to_next` (world).
+    pub fn gloss_pdf(&self, to_next: Vec3) -> f32 {
+        if !self.keeps_side(to_next) {
+            return 0.0;
+        }
+        self.bsdf.gloss_pdf(self.local_previous, self.frame.to_local(to_next))
     }
 
     /// What [`Scattered::weight`] would be, times the density, for a direction (world) that a smooth lobe leads to.

@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use crate::film::Sink;
 use crate::geometry::{Cone, Ray, Surface};
-use crate::integrator::look::{Look, Merge, Merging};
+use crate::integrator::look::Look;
+use crate::integrator::merge::{Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius, Volume};
@@ -38,6 +39,8 @@ pub(super) enum Way {
     Hit,
     /// A shadow ray from the last point before the lamp.
     Shadow,
+    /// A glimpse into the glossy lobe of that point, if it is the first smooth one.
+    Glimpse,
     /// A photon is found at the point of this number.
     Merge(usize),
 }
@@ -252,6 +255,13 @@ impl Chain {
         if self.is_smooth(last - 1) {
             ways.push((Way::Shadow, seen[last - 1] * self.shadow(scene)));
         }
+        let glossy = |point: &SurfacePoint| f64::from(point.gloss_pdf(self.direction(last - 1, last)));
+        let is_met = matches!(self.lamp, Lamp::Shape(..) | Lamp::Far(_));
+        let glimpsed =
+            if is_met && first == Some(last - 1) { self.arrive(scene, last - 2, last - 1, glossy)? } else { 0.0 };
+        if glimpsed > 0.0 {
+            ways.push((Way::Glimpse, seen[last - 1] * glimpsed * self.per_area(last - 1, last)));
+        }
         for at in (1..last - 1).filter(|&at| self.is_smooth(at)) {
             let radius = MERGING.shrunk * if Some(at) == first { MERGING.first * WIDTH } else { MERGING.further };
             let photons = PI * f64::from(radius).powi(2) * MERGING.paths as f64;
@@ -293,19 +303,58 @@ impl Chain {
         let merge = Merge::new(map, MERGING, &mut found);
         let mut look = Look::merging(scene, self.max_bounces(), &mut sink, merge, None);
         for at in 1..=end {
-            let path = self.state(at - 1, at, at - 1);
-            if at == self.last() && !matches!(self.lamp, Lamp::Shape(..)) {
-                look.escaped(&path);
-                continue;
-            }
-            self.arrive(scene, at - 1, at, |point| {
-                look.vertex(point, &path, &mut self.sampler.clone());
+            self.see(scene, &mut look, at, |look, point, path| {
                 if at < end {
-                    look.scattered(&self.scattered(point, at, at + 1), point, &path);
+                    look.scattered(&self.scattered(point, at, at + 1), point, path);
                 }
             })?;
         }
         Some(sink.0)
+    }
+
+    /// What a glimpse at the lamp from the point before it adds, and the light of which it is a part.
+    fn glimpse(&self, scene: &Scene) -> Option<(Spectrum, Spectrum)> {
+        let (mut found, mut sink) = (Nearest::default(), Noted::default());
+        let map = PhotonMap::build(Vec::new(), MERGING.paths, Radius::Fixed(1.0));
+        let merge = Merge::new(&map, MERGING, &mut found);
+        let mut look = Look::merging(scene, self.max_bounces(), &mut sink, merge, None);
+        let (end, mut added) = (self.last() - 1, None);
+        let to_light = self.direction(end, end + 1);
+        for at in 1..=end {
+            self.see(scene, &mut look, at, |look, point, path| {
+                if at < end {
+                    return look.scattered(&self.scattered(point, at, at + 1), point, path);
+                }
+                let before = look.sink.0.len();
+                look.glimpse_toward(to_light, point, path);
+                let all = point.eval_radiance(to_light) * (point.cos(to_light) / point.gloss_pdf(to_light));
+                added = look.sink.0.get(before).map(|&added| (added, all));
+            })?;
+        }
+        let light = match self.lamp {
+            Lamp::Shape(..) => self.arrive(scene, end, end + 1, |point| scene.emitted(point))?,
+            _ => scene.background(to_light),
+        };
+        added.map(|(added, all)| (added, all * light))
+    }
+
+    /// Shows the visitor of a walk from the camera the point of this number.
+    fn see<'a>(
+        &self,
+        scene: &Scene,
+        look: &mut Look<'a, Noted, true>,
+        at: usize,
+        then: impl FnOnce(&mut Look<'a, Noted, true>, &SurfacePoint, &PathState),
+    ) -> Option<()> {
+        let path = self.state(at - 1, at, at - 1);
+        if at == self.last() && !matches!(self.lamp, Lamp::Shape(..)) {
+            look.escaped(&path);
+            return Some(());
+        }
+        self.arrive(scene, at - 1, at, |point| {
+            look.vertex(point, &path, &mut self.sampler.clone());
+            then(look, point, &path);
+        })
     }
 
     /// The photon that a walk from the lamp leaves at the point of this number.
@@ -370,6 +419,7 @@ impl Chain {
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
                 (added[added.len() - 2], all)
             }
+            Way::Glimpse => self.glimpse(scene)?,
             Way::Merge(at) => {
                 let map = map(vec![self.photon(scene, at)?]);
                 let added = self.look(scene, &map, at)?;

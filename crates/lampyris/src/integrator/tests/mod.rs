@@ -33,6 +33,7 @@ struct Seen {
     hits: u32,
     shadow_rays: u32,
     merges: u32,
+    glimpses: u32,
     /// Shadow rays at lamps that are near.
     near: u32,
     /// Paths with mirrors or boundaries at their end, and elsewhere.
@@ -133,6 +134,7 @@ fn compare(scene: &Scene, chain: &Chain, seen: &mut Seen) {
                 seen.near += u32::from(chain.is_near(scene));
             }
             Way::Merge(_) => seen.merges += 1,
+            Way::Glimpse => seen.glimpses += 1,
         }
     }
     seen.glass[0] += u32::from(!chain.is_smooth(last - 1));
@@ -191,6 +193,7 @@ fn balls(left: &str, right: &str) -> String {
 fn weights_sum_to_one_between_smooth_walls_under_lamps() {
     let seen = assert_weights(&(WALLS.to_string() + LAMPS + &balls(ROUGH_PLASTIC, ROUGH_GLASS)), 600);
     assert!(seen.hits > 500 && seen.shadow_rays > 500 && seen.merges > 1000 && seen.shared > 1000, "{seen:?}");
+    assert!(seen.glimpses > 50, "{seen:?}");
 }
 
 /// The second lamp stands upright beside a wall here, so that both are rectangles.
@@ -239,6 +242,8 @@ fn weights_sum_to_one_under_the_sky() {
         let seen = assert_weights(&(sky.clone() + FLOOR + &things), 2000);
         assert!(seen.hits > 300 && seen.shadow_rays > 300 && seen.merges > 200 && seen.shared > 200, "{seen:?}");
     }
+    let seen = assert_weights(&(sky + FLOOR + &balls(ROUGH_PLASTIC, ROUGH_PLASTIC)), 2000);
+    assert!(seen.glimpses > 100, "{seen:?}");
 }
 
 #[test]

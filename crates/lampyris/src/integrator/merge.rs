@@ -1,0 +1,176 @@
+//! Paths from the camera that are merged with photons (theory §5.4).
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use crate::film::Sink;
+use crate::material::{Event, Lobes, Scattered};
+use crate::photon::{Estimate, Kernel, Nearest, Photon, PhotonMap, Radius};
+use crate::scene::SurfacePoint;
+use crate::spectrum::Spectrum;
+use crate::transient::Met;
+use crate::transport::{PathState, Rivals, norm, squared};
+
+/// How paths from the camera are merged with the photons of a pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Merging {
+    /// Light paths of the pass.
+    pub paths: u64,
+    /// How far photons are looked for in the first pass: on the first smooth surface that a path meets, over the width of
+    /// what the path stands for there.
+    pub first: f32,
+    /// And on all further ones, in scene units.
+    pub further: f32,
+    /// Where photons are denser than that, as in a caustic, the nearest of so many are enough.
+    pub nearest: usize,
+    /// What is left of these radii.
+    pub shrunk: f32,
+    /// The probability with which a path goes on after scattering smoothly on the first smooth surface.
+    pub on_from_first: f32,
+    /// And on all further ones.
+    pub on_from_further: f32,
+}
+
+impl Merging {
+    /// How many photons would lie within what has become of this radius, if each light path left one in each square unit:
+    /// the density of merging a path with a photon, over that of the two halves.
+    pub(super) fn density(&self, radius: f32) -> f32 {
+        PI * (self.shrunk * radius).powi(2) * self.paths as f32
+    }
+}
+
+/// A path from the camera that is merged with photons.
+pub(super) struct Merge<'a> {
+    map: &'a PhotonMap,
+    merging: Merging,
+    found: &'a mut Nearest,
+    /// What photons have brought, by the numbers of their paths, for those who ask.
+    pub(super) tally: Option<&'a mut Vec<(u32, f32)>>,
+    /// What else could have made the path so far.
+    pub(super) rivals: Rivals,
+    /// The same without merging at the last smooth point, for lamps that shine on it directly.
+    pub(super) rivals_of_lamps: Rivals,
+    /// Whether the path has met mirrors and glass alone.
+    first: bool,
+    /// [`Merging::density`] at the last point.
+    here: f32,
+    /// The probability with which the path went on after its last event.
+    pub(super) went_on: f32,
+}
+
+impl<'a> Merge<'a> {
+    pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Nearest) -> Merge<'a> {
+        let nothing = Rivals::default();
+        let (first, here, went_on) = (true, 0.0, 1.0);
+        Merge { map, merging, found, tally: None, rivals: nothing, rivals_of_lamps: nothing, first, here, went_on }
+    }
+
+    /// The same, which writes down what each photon brings: the mean of its radiance over all wavelengths, with the number
+    /// of its path.
+    pub(super) fn tallied(self, tally: &'a mut Vec<(u32, f32)>) -> Merge<'a> {
+        Merge { tally: Some(tally), ..self }
+    }
+
+    /// The probability with which the path goes on after it has scattered smoothly here.
+    pub(super) fn goes_on(&self) -> f32 {
+        if self.first { self.merging.on_from_first } else { self.merging.on_from_further }
+    }
+
+    /// The path leaves a point. Returns the probability with which it does.
+    pub(super) fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, smooth: bool) -> f32 {
+        let at = self.rivals.at(point);
+        self.went_on = if smooth { self.goes_on() } else { 1.0 };
+        let back = if smooth && at > 0.0 { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
+        let after = |smooth| Rivals::after(at, smooth, self.went_on, point, scattered);
+        (self.rivals, self.rivals_of_lamps) = (after(norm([back, self.here])), after(back));
+        self.first &= !smooth;
+        self.went_on
+    }
+
+    /// Radiance back along the path of the light of photons that have been scattered at most so often; the second set has
+    /// that of those among them that came by mirrors and glass alone. What each photon brings is noted in the sink; the unit
+    /// of that comes last.
+    pub(super) fn radiance<const SETS: usize, S: Sink>(
+        &mut self,
+        point: &SurfacePoint,
+        path: &PathState,
+        max_bounces: u32,
+        sink: &mut S,
+    ) -> ([Spectrum; SETS], Spectrum) {
+        let most = if self.first { self.merging.first * path.cone.width } else { self.merging.further };
+        // Not by the radius that is found: weights must not depend on the photons that they weigh.
+        self.here = self.merging.density(most);
+        if !self.here.is_normal() {
+            // Beyond all reason in size: nothing can be found so near, or told apart so far away.
+            self.here = 0.0;
+            return ([Spectrum::ZERO; SETS], Spectrum::ZERO);
+        }
+        let estimate = Estimate {
+            map: self.map,
+            kernel: Kernel::Epanechnikov,
+            radius: Radius::Nearest { count: self.merging.nearest, max_radius: most },
+        };
+        let radius = self.merging.shrunk * estimate.find(point, self.found);
+        let (at, on, per_photon) = (self.rivals.at(point), self.goes_on(), 1.0 / self.here);
+        let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
+        if point.is_lambertian() {
+            // The same as below, for the most frequent case.
+            let nearer = 1.0 + squared(at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon));
+            let farther = on * FRAC_1_PI * per_photon;
+            self.sum(&estimate, (point, path, radius), sink, |photon| {
+                let others = nearer + squared(farther * photon.rivals * point.cos(photon.direction));
+                sets(photon, counts(photon), others)
+            })
+        } else {
+            self.sum(&estimate, (point, path, radius), sink, |photon| {
+                let to_light = -photon.direction;
+                let nearer = if at > 0.0 { at * point.pdf_back(to_light, Lobes::ALL) } else { 0.0 };
+                let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
+                sets(photon, counts(photon), 1.0 + squared(nearer * per_photon) + squared(farther * per_photon))
+            })
+        }
+    }
+
+    /// The light of the photons that were found within a radius, in sets, and its unit in the sink.
+    fn sum<const SETS: usize, S: Sink>(
+        &mut self,
+        estimate: &Estimate,
+        (point, path, radius): (&SurfacePoint, &PathState, f32),
+        sink: &mut S,
+        sets: impl Fn(&Photon) -> [f32; SETS],
+    ) -> ([Spectrum; SETS], Spectrum) {
+        let Some(tally) = &mut self.tally else {
+            return estimate
+                .weighted(point, radius, self.found, sets, |photon, light| note(sink, photon, light, point, path));
+        };
+        let mut light_of = Vec::new();
+        let (sums, unit) = estimate.weighted(point, radius, self.found, sets, |photon, light| {
+            light_of.push((photon.path, light));
+        });
+        let seen = unit * path.throughput;
+        tally.extend(light_of.into_iter().map(|(number, light)| (number, (light * seen).mean())));
+        (sums, unit)
+    }
+}
+
+/// Notes the light of a photon that is read at `point`, where `path` from the camera has come, by its time.
+#[inline]
+pub(super) fn note<S: Sink>(sink: &mut S, photon: &Photon, light: Spectrum, point: &SurfacePoint, path: &PathState) {
+    if S::TIMED {
+        let slowness = path.slowness * point.slowness_toward(-photon.direction);
+        let read = path.met(1 + u32::from(photon.bounce));
+        let met = Met {
+            is_caustic: photon.is_caustic() && !path.history.meets(Lobes::SMOOTH),
+            particles: read.particles || photon.history.contains(Event::Scatter),
+            ..read
+        };
+        sink.note(light, met, path.optical_length + photon.optical_length_at(point.surface.position, slowness));
+    }
+}
+
+/// The weights of a photon that counts, where `others` is the density of all ways to make its path over that of merging:
+/// in all light, and in caustics.
+#[inline]
+fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; SETS] {
+    let weight = if counts { 1.0 / others } else { 0.0 };
+    std::array::from_fn(|set| if set == 0 || photon.is_caustic() { weight } else { 0.0 })
+}
