@@ -13,6 +13,7 @@ mod embree;
 mod meshes;
 mod obvhs_tree;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -50,11 +51,14 @@ fn main() {
     let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(5);
     for (name, mesh) in [("blob", meshes::blob()), ("cloud", meshes::cloud())] {
         println!("{name}: {} triangles", mesh.triangles.len());
-        let surfaces = timed("lampyris", &mesh, || {
+        let own = |mesh: &Arc<MeshData>| {
             let mut builder = SurfacesBuilder::default();
-            builder.add(Shape::Mesh(Mesh::new(&mesh, &Mat4::IDENTITY)), false);
+            builder.add(Shape::Mesh(Mesh::new(mesh, &Mat4::IDENTITY)), false);
             builder.build()
-        });
+        };
+        let surfaces = timed("lampyris", &mesh, || own(&mesh));
+        let halves = meshes::halves_apart(&mesh);
+        timed("halves", &halves, || own(&halves));
         println!("  {:?}", surfaces.statistics());
         let obvhs = timed("obvhs", &mesh, || obvhs_tree::ObvhsTree::new(&mesh));
         let rays = incoherent_rays(&surfaces);
@@ -112,14 +116,15 @@ fn count(rays: &[Ray], is_met: impl Fn(&Ray) -> bool) -> usize {
 /// Builds something, and says how fast.
 fn timed<T>(name: &str, mesh: &MeshData, build: impl Fn() -> T) -> T {
     let timed_build = |_| {
-        let start = Instant::now();
-        (build(), start.elapsed())
+        let (start, threads) = (Instant::now(), time_of_threads());
+        (build(), start.elapsed(), time_of_threads() - threads)
     };
-    let built: Vec<(T, Duration)> = (0..5).map(timed_build).collect();
-    let rates = built.iter().map(|(_, time)| mesh.triangles.len() as f64 / time.as_secs_f64() / 1e6);
+    let mut built: Vec<(T, Duration, Duration)> = (0..5).map(timed_build).collect();
+    let count = mesh.triangles.len() as f64;
+    let rates = built.iter().map(|(_, time, _)| count / time.as_secs_f64() / 1e6);
     let rates: Vec<String> = rates.map(|rate| format!("{rate:.2}")).collect();
-    println!("  {name:9} built at {} M triangles/s", rates.join(", "));
-    let mut built = built;
+    let each = median(built.iter().map(|(_, _, time)| time.as_secs_f64() / count * 1e9).collect());
+    println!("  {name:9} built at {} M triangles/s, {each:.0} ns of all threads a triangle", rates.join(", "));
     built.swap_remove(0).0
 }
 
@@ -169,10 +174,18 @@ fn differences(rays: &[Ray], tracers: &[Box<dyn Tracer>]) {
 
 /// The processor time of this thread, so that other programs do not count.
 fn thread_time() -> Duration {
-    let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat")
-        .ok()
-        .and_then(|text| text.split_whitespace().next()?.parse().ok());
     // Elsewhere than on Linux, the time on the wall.
     static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
+    running_time(Path::new("/proc/thread-self")).unwrap_or_else(|| START.get_or_init(Instant::now).elapsed())
+}
+
+/// The processor time of all threads; nothing elsewhere than on Linux.
+fn time_of_threads() -> Duration {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    threads.filter_map(|thread| running_time(&thread.path())).sum()
+}
+
+fn running_time(thread: &Path) -> Option<Duration> {
+    let text = std::fs::read_to_string(thread.join("schedstat")).ok()?;
+    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }

@@ -29,6 +29,12 @@ pub fn cloud() -> Arc<MeshData> {
     Arc::new(mesh)
 }
 
+/// The same with the halves of its squares far from each other in the file, so that none follows on the other.
+pub fn halves_apart(mesh: &MeshData) -> Arc<MeshData> {
+    let halves = |first| mesh.triangles.iter().skip(first).step_by(2).copied();
+    Arc::new(MeshData { triangles: halves(0).chain(halves(1)).collect(), ..mesh.clone() })
+}
+
 /// The six faces of a cube, `n` squares each way, blown up to a sphere with bumps: 12 n² triangles.
 fn add_displaced_sphere(mesh: &mut MeshData, n: u32, center: Vec3, radius: f32) {
     for face in 0..6 {

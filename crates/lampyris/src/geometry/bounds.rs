@@ -31,6 +31,12 @@ impl Bounds {
         self.min.cmpgt(self.max).any()
     }
 
+    /// Half the surface area.
+    pub(super) fn half_area(&self) -> f32 {
+        let size = self.max - self.min;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+
     /// The middle.
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)

@@ -1,11 +1,9 @@
 //! What a ray meets in one system of coordinates: the world's, or a group's.
 
-use rayon::prelude::*;
-
 use super::bvh::{
-    Best, BoxRay, Isa, Kernel, LANES, Leaf, Leaves, Packet, Pages, QuadPacket, Reference, Tree, TriangleRay,
+    Best, BoxRay, Isa, Kernel, LANES, Leaf, Leaves, Packet, Pages, QuadPacket, Reference, References, Tree, TriangleRay,
 };
-use super::{Bounds, Mesh, Quad, RELATIVE_ERROR, Ray};
+use super::{Bounds, Mesh, Quad, RELATIVE_ERROR, Ray, pairs};
 use glam::{Vec2, Vec3};
 
 /// Up to this many curved and flat shapes are tried one after the other, which is faster than a tree.
@@ -185,11 +183,16 @@ fn item_tree(finite: &[(Item, Bounds)]) -> Option<(Tree, Vec<Item>)> {
         let pad = Vec3::splat(RELATIVE_ERROR * bounds.min.abs().max(bounds.max.abs()).max_element());
         Bounds { min: bounds.min - pad, max: bounds.max + pad }
     };
-    let mut references: Vec<Reference> =
-        (0..).zip(finite).map(|(number, &(_, bounds))| Reference::new(number, padded(bounds))).collect();
-    let (tree, leaves) = Tree::build(&mut references, 1)?;
-    let item = |leaf: &Leaf| finite[references[leaf.first as usize].number() as usize].0;
-    Some((tree, leaves.iter().map(item).collect()))
+    let references = References::new(finite.len(), |first, places| {
+        for (number, place) in (first..).zip(places.iter_mut()) {
+            *place = Reference::new(number, false, padded(finite[number as usize].1));
+        }
+        places.len()
+    });
+    let (tree, contents) = Tree::build(references, 0)?;
+    let numbers = contents.leaves.iter().flat_map(|leaf| contents.of(leaf));
+    let items = numbers.map(|number| finite[number as usize].0).collect();
+    Some((tree, items))
 }
 
 impl Triangles {
@@ -204,14 +207,10 @@ impl Triangles {
             let mesh = mesh_of(&starts, number);
             meshes[mesh].1.corners((number - starts[mesh].0) as usize)
         };
-        let mut references: Vec<Reference> =
-            (0..total).into_par_iter().map(|number| Reference::new(number, box_of(corners(number)))).collect();
-        let (tree, leaves) = Tree::build(&mut references, LANES)?;
-        let packet = |leaf: &Leaf| {
-            let inside = &references[leaf.first as usize..][..leaf.count as usize];
-            Packet::new(inside.iter().map(|reference| (reference.number(), corners(reference.number()))))
-        };
-        let packets = Pages::from_each(&leaves, packet);
+        let references = pairs::references(total, corners);
+        let (tree, contents) = Tree::build(references, LANES.ilog2())?;
+        let packet = |leaf: &Leaf| Packet::new(contents.of(leaf).map(|number| (number, corners(number))));
+        let packets = Pages::from_each(&contents.leaves, packet);
         Some(Triangles { tree, packets, meshes: starts })
     }
 
@@ -232,14 +231,6 @@ impl Triangles {
 #[inline]
 fn mesh_of(starts: &[(u32, u32)], number: u32) -> usize {
     starts.partition_point(|&(first, _)| first <= number) - 1
-}
-
-/// The box around a triangle and the points that rounding may take for it: two units in the last place of its size, and
-/// the next number, as the size may vanish beside the coordinates.
-fn box_of(corners: [[f32; 3]; 3]) -> Bounds {
-    let Bounds { min, max } = Bounds::around(corners.map(Vec3::from_array));
-    let pad = (max - min).max_element() * (2.0 * f32::EPSILON);
-    Bounds { min: (min - pad).map(f32::next_down), max: (max + pad).map(f32::next_up) }
 }
 
 /// The triangles of a tree as one ray meets them.

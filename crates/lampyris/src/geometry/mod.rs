@@ -9,6 +9,7 @@ mod instance;
 mod level;
 mod mesh;
 mod mesh_data;
+mod pairs;
 mod plane;
 mod quad;
 mod ray;

@@ -3,6 +3,7 @@
 //! A tree is the same on any number of threads, and what a ray finds in it has the same bits on any processor: all
 //! kernels do the same operations in the same order, none contracted.
 
+mod bins;
 mod build;
 mod collapse;
 mod kernel;
@@ -10,6 +11,9 @@ mod packet;
 mod pages;
 mod portable;
 mod quads;
+mod reference;
+#[cfg(test)]
+mod tests;
 mod traverse;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -17,13 +21,13 @@ mod x86;
 use bytemuck::{Pod, Zeroable};
 
 use super::Bounds;
-pub(super) use build::Reference;
 pub(super) use kernel::{Isa, Kernel};
 pub(super) use packet::{Best, Packet, TriangleRay};
 pub(super) use pages::Pages;
 #[cfg(test)]
 pub(super) use portable::Portable;
 pub(super) use quads::QuadPacket;
+pub(super) use reference::{Reference, References};
 pub(super) use traverse::{BoxRay, Leaves};
 
 /// Boxes of a node.
@@ -56,11 +60,35 @@ pub(super) struct Tree {
     isa: Isa,
 }
 
+/// What is in the leaves of a tree.
+#[derive(Debug)]
+pub(super) struct Contents {
+    /// Of the references, in the order of the tree, with [`TWO`] set for those to two things.
+    numbers: Vec<u32>,
+    pub(super) leaves: Vec<Leaf>,
+}
+
+/// The bit that tells that the next number belongs to a reference, too.
+const TWO: u32 = 1 << 31;
+
 /// The references, by place in the order the tree gave them, that lie in one leaf.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Leaf {
-    pub(super) first: u32,
-    pub(super) count: u32,
+    first: u32,
+    count: u32,
+}
+
+impl Contents {
+    fn number(reference: &Reference) -> u32 {
+        reference.number() | if reference.is_pair() { TWO } else { 0 }
+    }
+
+    /// The numbers of the things in a leaf.
+    #[inline]
+    pub(super) fn of(&self, leaf: &Leaf) -> impl Iterator<Item = u32> {
+        let numbers = &self.numbers[leaf.first as usize..][..leaf.count as usize];
+        numbers.iter().flat_map(|&number| (number & !TWO..).take(if number & TWO != 0 { 2 } else { 1 }))
+    }
 }
 
 impl Node {

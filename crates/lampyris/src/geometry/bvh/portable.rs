@@ -1,8 +1,11 @@
 //! The kernel for any processor, and the oracle of the others.
 
-use super::kernel::Kernel;
+use super::bins::{Bins, FRACTION, Grid, MAX_BINS, Split, WHOLE};
+use super::collapse::Costs;
+use super::kernel::{BuildKernel, Kernel};
 use super::packet::{Lanes, Packet, TriangleRay};
 use super::quads::QuadPacket;
+use super::reference::{Extent, Reference};
 use super::traverse::{BoxRay, STRETCH};
 use super::{LANES, Node, WIDTH};
 use crate::geometry::Ray;
@@ -88,4 +91,79 @@ impl Kernel for Portable {
 
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
+}
+
+impl BuildKernel for Portable {
+    type Planes = [f32; 8];
+
+    #[inline(always)]
+    fn planes(self, extent: &Extent) -> [f32; 8] {
+        extent.0
+    }
+
+    #[inline(always)]
+    fn extent(self, planes: [f32; 8]) -> Extent {
+        Extent(planes)
+    }
+
+    #[inline(always)]
+    fn least(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        let mut least = b;
+        for lane in 0..8 {
+            least[lane] = min(a[lane], b[lane]);
+        }
+        least
+    }
+
+    #[inline(always)]
+    fn middle(self, planes: [f32; 8]) -> [f32; 8] {
+        let [x, y, z, w, to_x, to_y, to_z, to_w] = planes;
+        [x - to_x, y - to_y, z - to_z, w - to_w, to_x - x, to_y - y, to_z - z, to_w - w]
+    }
+
+    #[inline(always)]
+    fn places(self, grid: &Grid, middle: [f32; 8]) -> [u32; 3] {
+        let mut places = [0; 3];
+        for (axis, bin) in places.iter_mut().enumerate() {
+            let place = (middle[axis] - grid.least[axis]) * grid.scale[axis];
+            *bin = ((min(place, grid.last) + WHOLE).to_bits() >> FRACTION) % MAX_BINS as u32;
+        }
+        places
+    }
+
+    #[inline(always)]
+    fn sides(self, grid: &Grid, split: Split, middle: [f32; 8]) -> (bool, [[f32; 8]; 2]) {
+        let is_left = self.places(grid, middle)[split.axis] < split.bin as u32;
+        (is_left, if is_left { [middle, Extent::EMPTY.0] } else { [Extent::EMPTY.0, middle] })
+    }
+
+    #[inline(always)]
+    fn area(self, planes: [f32; 8]) -> f32 {
+        // The signs of two sizes of the other sign cancel out.
+        let [x, y, z] = [0, 1, 2].map(|axis| planes[axis] + planes[axis + 4]);
+        x * y + y * z + z * x
+    }
+
+    fn fill(self, bins: &mut Bins, references: &[Reference], grid: &Grid) {
+        bins.fill(self, references, grid);
+    }
+
+    fn best(self, bins: &Bins, grid: &Grid, leaf_bits: u32) -> Option<Split> {
+        bins.best(self, grid, leaf_bits)
+    }
+
+    fn partition(
+        self,
+        split: Split,
+        grid: &Grid,
+        references: &[Reference],
+        left: &mut [Reference],
+        right: &mut [Reference],
+    ) -> [Extent; 2] {
+        split.partition(self, grid, references, left, right)
+    }
+
+    fn costs(self, area: f32, a: &Costs, b: &Costs) -> (Costs, u32) {
+        Costs::around(area, a, b)
+    }
 }

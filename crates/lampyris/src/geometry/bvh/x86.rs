@@ -7,9 +7,12 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::Kernel;
+use super::bins::{Bins, FRACTION, Grid, MAX_BINS, Split, WHOLE};
+use super::collapse::Costs;
+use super::kernel::{BuildKernel, Kernel};
 use super::packet::{Lanes, Packet, TriangleRay};
 use super::quads::QuadPacket;
+use super::reference::{Extent, Reference};
 use super::traverse::{self, BoxRay, Leaves, STRETCH};
 use super::{LANES, Node, WIDTH};
 use crate::geometry::Ray;
@@ -90,6 +93,142 @@ impl Kernel for Avx2 {
     }
 }
 
+impl BuildKernel for Avx2 {
+    type Planes = __m256;
+
+    #[inline(always)]
+    fn planes(self, extent: &Extent) -> __m256 {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { row8(&extent.0) }
+    }
+
+    #[inline(always)]
+    fn extent(self, planes: __m256) -> Extent {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        Extent(unsafe { floats8(planes) })
+    }
+
+    #[inline(always)]
+    fn least(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { _mm256_min_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn middle(self, planes: __m256) -> __m256 {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { _mm256_sub_ps(planes, _mm256_permute2f128_ps::<1>(planes, planes)) }
+    }
+
+    #[inline(always)]
+    fn places(self, grid: &Grid, middle: __m256) -> [u32; 3] {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { places_of(grid, middle) }
+    }
+
+    #[inline(always)]
+    fn sides(self, grid: &Grid, split: Split, middle: __m256) -> (bool, [__m256; 2]) {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { sides(grid, split, middle) }
+    }
+
+    #[inline(always)]
+    fn area(self, planes: __m256) -> f32 {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { area(planes) }
+    }
+
+    fn fill(self, bins: &mut Bins, references: &[Reference], grid: &Grid) {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { fill(self, bins, references, grid) };
+    }
+
+    fn best(self, bins: &Bins, grid: &Grid, leaf_bits: u32) -> Option<Split> {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { best(self, bins, grid, leaf_bits) }
+    }
+
+    fn partition(
+        self,
+        split: Split,
+        grid: &Grid,
+        references: &[Reference],
+        left: &mut [Reference],
+        right: &mut [Reference],
+    ) -> [Extent; 2] {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { partition(self, split, grid, references, left, right) }
+    }
+
+    fn costs(self, area: f32, a: &Costs, b: &Costs) -> (Costs, u32) {
+        // SAFETY: an `Avx2` exists only where `detect` found what the function needs.
+        unsafe { costs(area, a, b) }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn places(grid: &Grid, middle: __m256) -> __m128i {
+    let place = _mm_sub_ps(_mm256_castps256_ps128(middle), row4(&grid.least));
+    let place = _mm_min_ps(_mm_mul_ps(place, row4(&grid.scale)), _mm_set1_ps(grid.last));
+    let bits = _mm_castps_si128(_mm_add_ps(place, _mm_set1_ps(WHOLE)));
+    _mm_and_si128(_mm_srli_epi32::<{ FRACTION as i32 }>(bits), _mm_set1_epi32(MAX_BINS as i32 - 1))
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn places_of(grid: &Grid, middle: __m256) -> [u32; 3] {
+    let places = places(grid, middle);
+    let [x, y] = [_mm_extract_epi32::<0>(places), _mm_extract_epi32::<1>(places)];
+    [x, y, _mm_extract_epi32::<2>(places)].map(|place| place as u32)
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn sides(grid: &Grid, split: Split, middle: __m256) -> (bool, [__m256; 2]) {
+    let below = _mm_cmplt_epi32(places(grid, middle), _mm_set1_epi32(split.bin as i32));
+    let is_left = _mm_movemask_ps(_mm_castsi128_ps(below)) >> split.axis & 1 != 0;
+    let everywhere = _mm256_permutevar8x32_epi32(_mm256_castsi128_si256(below), _mm256_set1_epi32(split.axis as i32));
+    let (mask, nothing) = (_mm256_castsi256_ps(everywhere), _mm256_set1_ps(f32::INFINITY));
+    (is_left, [_mm256_blendv_ps(nothing, middle, mask), _mm256_blendv_ps(middle, nothing, mask)])
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn area(planes: __m256) -> f32 {
+    let sizes = _mm_add_ps(_mm256_castps256_ps128(planes), _mm256_extractf128_ps::<1>(planes));
+    let products = _mm_mul_ps(sizes, _mm_permute_ps::<0b00_00_10_01>(sizes));
+    let sum = _mm_add_ss(products, _mm_movehdup_ps(products));
+    _mm_cvtss_f32(_mm_add_ss(sum, _mm_movehl_ps(products, products)))
+}
+
+#[target_feature(enable = "avx2")]
+fn fill(kernel: Avx2, bins: &mut Bins, references: &[Reference], grid: &Grid) {
+    bins.fill(kernel, references, grid);
+}
+
+#[target_feature(enable = "avx2")]
+fn best(kernel: Avx2, bins: &Bins, grid: &Grid, leaf_bits: u32) -> Option<Split> {
+    bins.best(kernel, grid, leaf_bits)
+}
+
+#[target_feature(enable = "avx2")]
+fn partition(
+    kernel: Avx2,
+    split: Split,
+    grid: &Grid,
+    references: &[Reference],
+    left: &mut [Reference],
+    right: &mut [Reference],
+) -> [Extent; 2] {
+    split.partition(kernel, grid, references, left, right)
+}
+
+#[target_feature(enable = "avx2")]
+fn costs(area: f32, a: &Costs, b: &Costs) -> (Costs, u32) {
+    Costs::around(area, a, b)
+}
+
 /// Bytes of a line of the processor's cache.
 const LINE: usize = 64;
 
@@ -118,6 +257,15 @@ fn floats4(lanes: __m128) -> [f32; LANES] {
 
 #[inline]
 #[target_feature(enable = "avx2")]
+fn floats8(lanes: __m256) -> [f32; WIDTH] {
+    let mut floats = [0.0; WIDTH];
+    // SAFETY: eight floats are what is stored.
+    unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), lanes) };
+    floats
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
 fn boxes(node: &Node, ray: &BoxRay, limit: f32) -> (u32, [f32; WIDTH]) {
     let mut enter = _mm256_setzero_ps();
     let mut leave = _mm256_set1_ps(limit);
@@ -128,10 +276,7 @@ fn boxes(node: &Node, ray: &BoxRay, limit: f32) -> (u32, [f32; WIDTH]) {
         leave = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(far, origin), inverse), leave);
     }
     let met = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, _mm256_mul_ps(leave, _mm256_set1_ps(STRETCH)));
-    let mut floats = [0.0; WIDTH];
-    // SAFETY: eight floats are what is stored.
-    unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), enter) };
-    (_mm256_movemask_ps(met) as u32, floats)
+    (_mm256_movemask_ps(met) as u32, floats8(enter))
 }
 
 #[inline]
@@ -185,8 +330,5 @@ fn quads(packet: &QuadPacket, ray: &Ray, limit: f32) -> (u32, [f32; WIDTH]) {
         _mm256_cmp_ps::<_CMP_GT_OQ>(distance, zero),
         _mm256_cmp_ps::<_CMP_LT_OQ>(distance, _mm256_set1_ps(limit)),
     );
-    let mut floats = [0.0; WIDTH];
-    // SAFETY: eight floats are what is stored.
-    unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), distance) };
-    (_mm256_movemask_ps(_mm256_and_ps(inside, ahead)) as u32, floats)
+    (_mm256_movemask_ps(_mm256_and_ps(inside, ahead)) as u32, floats8(distance))
 }
