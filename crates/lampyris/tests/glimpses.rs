@@ -67,7 +67,7 @@ fn glimpses_change_no_mean() {
         "{ type = 'plastic', reflectance = 0.3, roughness = { alpha = 0.1 } }",
         "{ type = 'plastic', reflectance = 0.6, roughness = { alpha = 0.4 } }",
         "{ type = 'phong', diffuse = 0.3, specular = 0.3, exponent = 30 }",
-        "{ type = 'blend', weight = 0.5, first = { type = 'diffuse', reflectance = 0.7 }, second = { type = 'conductor', roughness = { alpha = 0.2 } } }",
+        "{ type = 'blend', weight = 0.5, first = { type = 'diffuse', reflectance = 0.7 }, second = { type = 'conductor', metal = 'Al', roughness = { alpha = 0.2 } } }",
     ];
     for material in floors {
         let means = |settings: &str| mirrored_lamp(material, 30.0, settings).means(200);

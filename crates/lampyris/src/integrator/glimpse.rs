@@ -8,6 +8,7 @@ use crate::material::{Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
+use crate::transient::Met;
 use crate::transport::{Limits, Origin, PathState, Visitor, squared, walk};
 
 /// A glimpse from glass goes through so many of its boundaries: from within a pane and through another one.
@@ -32,17 +33,32 @@ impl Seen {
 }
 
 impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
-    /// Whether glimpses are worth their price at a point: on the first smooth surface, and before it.
-    pub(super) fn glimpses(&self, point: &SurfacePoint) -> bool {
-        self.smooth_events == 0 && point.may_glimpse() && self.scene.has_glimpses()
+    /// Whether paths that choose here leave something to glimpses. Where there is no smooth lobe all events see a sky about
+    /// alike, and the choice between them makes less noise than glimpses do. Where paths merge with photons, these bring
+    /// after the first smooth surface what glimpses would.
+    fn glimpses(&self, point: &SurfacePoint) -> bool {
+        let is_smooth = point.bsdf.lobes().meets(Lobes::SMOOTH);
+        let is_early = self.smooth_events == 0 || !MERGES;
+        is_early && point.may_glimpse() && (is_smooth || !self.scene.has_sky()) && self.scene.has_glimpses()
+    }
+
+    /// The same for a glossy lobe.
+    pub(super) fn glimpses_gloss(&self, point: &SurfacePoint) -> bool {
+        point.bsdf.lobes().contains(Event::Glossy) && self.glimpses(point)
     }
 
     /// Looks where mirrors and glass would have led the path that has chosen otherwise, and adds the light of what shines
     /// there; a path that goes there counts it less. For lamps that are seen in a coat or in a pane that mirrors little of
     /// what falls on it, and would be met too rarely.
-    #[inline(never)]
     pub(super) fn glimpse(&mut self, chosen: &Scattered, point: &SurfacePoint, path: &PathState) {
         let before = std::mem::replace(&mut self.seen, Seen::NOTHING);
+        if point.bsdf.lobes().meets(Lobes::DELTA) && self.glimpses(point) {
+            self.glimpse_beyond(before, chosen, point, path);
+        }
+    }
+
+    #[inline(never)]
+    fn glimpse_beyond(&mut self, before: Seen, chosen: &Scattered, point: &SurfacePoint, path: &PathState) {
         let boundaries = if point.is_clear() { BOUNDARIES } else { 0 };
         for delta in point.deltas() {
             let seen = match delta.event {
@@ -56,18 +72,18 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
             let mut aside = *path;
             aside.turn(point, &delta, Origin::Camera);
             aside.throughput *= seen.left;
-            if seen.boundaries > 0 {
-                let mut through = Through { scene: self.scene, sink: self.sink, boundaries: seen.boundaries };
-                let limits = Limits { max_bounces: self.max_bounces, roulette_from: u32::MAX };
-                // One event is left to follow at a time: no number decides anything.
-                walk(self.scene, aside, Origin::Camera, &limits, &mut Sampler::new(0, 0, 0, 0), &mut through);
+            if seen.boundaries == 0 && !self.scene.may_meet_light(&aside.ray) {
                 continue;
             }
-            let from = (point.surface.position, None);
-            self.scene.glimpse(&aside.ray, aside.cone, from, |light, distance, _| {
-                let optical_length = aside.optical_length + f64::from(aside.slowness * distance);
-                self.sink.add(aside.throughput * light, aside.met(0), optical_length);
-            });
+            let mut through = Through {
+                scene: self.scene,
+                sink: self.sink,
+                boundaries: seen.boundaries,
+                is_caustic: self.smooth_events == 1,
+            };
+            let limits = Limits { max_bounces: self.max_bounces, roulette_from: u32::MAX };
+            // One event is left to follow at a time: no number decides anything.
+            walk(self.scene, aside, Origin::Camera, &limits, &mut Sampler::new(0, 0, 0, 0), &mut through);
         }
     }
 
@@ -100,18 +116,28 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
     }
 }
 
-/// The visitor of a glimpse that goes through boundaries, straight on.
+/// The visitor of a glimpse that goes straight on through boundaries.
 struct Through<'a, S> {
     scene: &'a Scene,
     sink: &'a mut S,
+    /// So many of them.
     boundaries: u32,
+    /// Whether one smooth surface came before: from the lamp, mirrors and glass came first, and then that.
+    is_caustic: bool,
+}
+
+impl<S: Sink> Through<'_, S> {
+    fn add(&mut self, light: Spectrum, path: &PathState, distance: f32) {
+        let met = Met { is_caustic: self.is_caustic, ..path.met(0) };
+        self.sink.add(path.throughput * light, met, path.optical_length + f64::from(path.slowness * distance));
+    }
 }
 
 impl<S: Sink> Visitor for Through<'_, S> {
     fn vertex(&mut self, point: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
         let emitted = self.scene.emitted(point);
         if !emitted.is_zero() {
-            self.sink.add(path.throughput * emitted, path.met(0), path.optical_length);
+            self.add(emitted, path, 0.0);
         }
         if self.boundaries == 0 || !point.is_clear() {
             return Lobes::NONE;
@@ -121,11 +147,9 @@ impl<S: Sink> Visitor for Through<'_, S> {
     }
 
     fn escaped(&mut self, path: &PathState) {
-        let background = self.scene.background(path.ray.direction);
-        if background != Spectrum::ZERO {
-            let distance = self.scene.distance_from_far(path.ray.origin, path.ray.direction);
-            let optical_length = path.optical_length + f64::from(path.slowness * distance);
-            self.sink.add(path.throughput * background, path.met(0), optical_length);
+        let radiance = self.scene.background(path.ray.direction);
+        if !radiance.is_zero() {
+            self.add(radiance, path, self.scene.distance_from_far(path.ray.origin, path.ray.direction));
         }
     }
 }

@@ -8,7 +8,7 @@ use super::sharing::Sharing;
 use super::volume::MediumPhotons;
 use crate::film::Sink;
 use crate::light::{Illumination, LightId, Vista};
-use crate::material::{Event, Lobes, Scattered};
+use crate::material::{Lobes, Scattered};
 use crate::photon::VolumeMap;
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
@@ -139,7 +139,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
         if path.bounce < self.max_bounces {
             self.vista = self.scene.vista(&point.surface);
             let (at, on) = (self.merge.as_ref().map_or(0.0, |merge| merge.rivals.at(point)), self.goes_on());
-            let glimpses = self.glimpses(point) && point.bsdf.lobes().contains(Event::Glossy);
+            let glimpses = self.glimpses_gloss(point);
             if glimpses {
                 self.glimpse_gloss(point, path, sampler);
             }
@@ -201,11 +201,8 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
-        let mut glimpsed = 0.0;
-        if self.glimpses(point) {
-            self.glimpse(scattered, point, path);
-            glimpsed = if smooth { point.gloss_pdf(scattered.to_next) } else { 0.0 };
-        }
+        self.glimpse(scattered, point, path);
+        let glimpsed = if smooth && self.glimpses_gloss(point) { point.gloss_pdf(scattered.to_next) } else { 0.0 };
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
         let last = Last { from: point.surface.position, pdf: on * scattered.pdf, glimpsed, vista: self.vista };
         self.last = smooth.then_some(last);

@@ -308,7 +308,7 @@ impl<'a> Bsdf<'a> {
             return if Lobes::SMOOTH.contains(event) { part.pdf(event, to_previous, to_next) } else { 0.0 };
         }
         let weights = self.weights(to_previous, follow);
-        let total: f32 = weights.iter().flatten().sum();
+        let total: f32 = weights[..usize::from(self.count)].as_flattened().iter().sum();
         if total <= 0.0 {
             return 0.0;
         }

@@ -321,6 +321,16 @@ impl Scene {
         !self.has_media() && self.targets.is_none()
     }
 
+    /// Whether rays that leave the scene may meet light.
+    pub fn has_sky(&self) -> bool {
+        !self.lights.far.is_empty()
+    }
+
+    /// Whether a ray may meet anything that shines.
+    pub fn may_meet_light(&self, ray: &Ray) -> bool {
+        self.lights.may_meet(ray)
+    }
+
     /// Tells of all that shines where a ray ends: its radiance, how far away it is, in scene units, and the density per
     /// solid angle with which [`Scene::illuminate`], asked at `from` where one sees this, finds it.
     pub fn glimpse(
