@@ -79,6 +79,19 @@ fn glimpses_change_no_mean() {
     }
 }
 
+/// Where the other event of the mix often leads below the floor, paths that end there have had their glimpse.
+#[test]
+fn paths_that_choose_a_dead_end_glimpse_too() {
+    let grazing = "{ type = 'blend', weight = 0.5, first = { type = 'mirror', reflectance = 0.5 },
+        second = { type = 'phong', diffuse = 0, specular = 0.9, exponent = 2 } }";
+    let means = |settings: &str| mirrored_lamp(&grazing.replace('\n', " "), 30.0, settings).means(200);
+    let [reference, ..] = means("integrator=photon-map photons=100 samples=16");
+    for settings in ["integrator=path samples=4", "integrator=auto photons=100 samples=4"] {
+        let [found, ..] = means(settings);
+        assert_same_mean(settings, &reference, &found, 2, 0.0);
+    }
+}
+
 /// It is the lobe that paths draw from, too, which `material_samplers.rs` tests.
 #[test]
 fn glimpses_are_drawn_as_paths_that_have_no_other_choice() {

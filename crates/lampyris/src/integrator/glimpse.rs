@@ -47,10 +47,10 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
         point.bsdf.lobes().contains(Event::Glossy) && self.glimpses(point)
     }
 
-    /// Looks where mirrors and glass would have led the path that has chosen otherwise, and adds the light of what shines
+    /// Looks where mirrors and glass would have led the path that has chosen otherwise, or something that leads nowhere, and adds the light of what shines
     /// there; a path that goes there counts it less. For lamps that are seen in a coat or in a pane that mirrors little of
     /// what falls on it, and would be met too rarely.
-    pub(super) fn glimpse(&mut self, chosen: &Scattered, point: &SurfacePoint, path: &PathState) {
+    pub(super) fn glimpse(&mut self, chosen: Option<&Scattered>, point: &SurfacePoint, path: &PathState) {
         let before = std::mem::replace(&mut self.seen, Seen::NOTHING);
         if point.bsdf.lobes().meets(Lobes::DELTA) && self.glimpses(point) {
             self.glimpse_beyond(before, chosen, point, path);
@@ -58,14 +58,14 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
     }
 
     #[inline(never)]
-    fn glimpse_beyond(&mut self, before: Seen, chosen: &Scattered, point: &SurfacePoint, path: &PathState) {
+    fn glimpse_beyond(&mut self, before: Seen, chosen: Option<&Scattered>, point: &SurfacePoint, path: &PathState) {
         let boundaries = if point.is_clear() { BOUNDARIES } else { 0 };
         for delta in point.deltas() {
             let seen = match delta.event {
                 Event::Refraction if before.boundaries > 0 => Seen { boundaries: before.boundaries - 1, ..before },
                 _ => Seen { boundaries, ..Seen::NOTHING },
             };
-            if delta.slot == chosen.slot {
+            if let Some(chosen) = chosen.filter(|chosen| chosen.slot == delta.slot) {
                 self.seen = Seen { left: chosen.pdf * seen.left, ..seen };
                 continue;
             }

@@ -201,12 +201,16 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
-        self.glimpse(scattered, point, path);
+        self.glimpse(Some(scattered), point, path);
         let glimpsed = if smooth && self.glimpses_gloss(point) { point.gloss_pdf(scattered.to_next) } else { 0.0 };
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
         let last = Last { from: point.surface.position, pdf: on * scattered.pdf, glimpsed, vista: self.vista };
         self.last = smooth.then_some(last);
         self.smooth_events += u32::from(smooth);
+    }
+
+    fn lost(&mut self, point: &SurfacePoint, path: &PathState) {
+        self.glimpse(None, point, path);
     }
 
     fn escaped(&mut self, path: &PathState) {

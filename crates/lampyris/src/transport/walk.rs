@@ -35,6 +35,9 @@ pub trait Visitor {
     /// The path has chosen a direction (world) at `point`; `path` is about to leave it.
     fn scattered(&mut self, _scattered: &Scattered, _point: &SurfacePoint, _path: &PathState) {}
 
+    /// The path has chosen an event at `point` that leads nowhere, and ends.
+    fn lost(&mut self, _point: &SurfacePoint, _path: &PathState) {}
+
     /// The path has left the scene.
     fn escaped(&mut self, _path: &PathState) {}
 
@@ -139,6 +142,7 @@ pub fn walk<V: Visitor>(
         }
         sampler.step(step + 1);
         let Some(scattered) = scene.scatter(&point, follow, sampler) else {
+            visitor.lost(&point, &path);
             return Walked { end: End::Absorbed, path, rays };
         };
         if scattered.event == Event::Pass {
