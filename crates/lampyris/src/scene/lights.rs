@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{Scene, SurfacePoint};
-use crate::geometry::{Cone, Ray, Shape, Surface, Surfaces};
+use crate::geometry::{Bounds, Cone, Ray, Shape, Surface, Surfaces};
 use crate::light::{
     Emission, Far, Guide, Illumination, Leaving, Light, LightId, Outlook, Parts, Sightings, Source, Span, Vista,
     illuminate_by,
@@ -25,14 +25,11 @@ pub(super) struct Lights {
     emission: Distribution,
     /// Which one a shadow ray tests: half proportional to the power, half all alike, since a weak lamp may be near.
     selection: Distribution,
-    /// Balls around all that shines and that a ray can meet, if these are few.
-    balls: Option<Vec<Ball>>,
+    /// Boxes around all that shines and that a ray can meet, if these are few.
+    boxes: Option<Vec<Bounds>>,
 }
 
-/// A ball, by its centre and radius.
-type Ball = (Vec3, f32);
-
-/// More balls than this are not worth asking.
+/// More boxes than this are not worth asking.
 const FEW: usize = 16;
 
 /// A light that was chosen with this probability.
@@ -372,30 +369,33 @@ impl Lights {
         let selection: Vec<f64> =
             powers.iter().map(|power| 0.5 * power / total.max(f64::MIN_POSITIVE) + 0.5 * even).collect();
         let far: Vec<usize> = (0..all.len()).filter(|&index| all[index].far().is_some()).collect();
-        let balls = if far.is_empty() { balls(&all, surfaces) } else { None };
-        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, balls, all }
+        let boxes = if far.is_empty() { boxes(&all, surfaces) } else { None };
+        Lights { emission: Distribution::new(&powers), selection: Distribution::new(&selection), far, boxes, all }
     }
 
     /// Whether a ray may meet anything that shines.
     #[inline]
     fn may_meet(&self, ray: &Ray) -> bool {
-        let Some(balls) = &self.balls else { return true };
-        balls.iter().any(|&(center, radius)| {
-            let offset = center - ray.origin;
-            let along = offset.dot(ray.direction).max(0.0);
-            (offset - along * ray.direction).length_squared() <= radius * radius
+        let Some(boxes) = &self.boxes else { return true };
+        let inverse = ray.direction.recip();
+        boxes.iter().any(|bounds| {
+            let (a, b) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
+            let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+            // Where a coordinate is no number, as in a plane of the box, it may.
+            !(enter > leave || leave < 0.0)
         })
     }
 }
 
-/// Balls around the shapes that shine.
-fn balls(lights: &[Light], surfaces: &Surfaces) -> Option<Vec<Ball>> {
+/// Boxes around the shapes that shine.
+fn boxes(lights: &[Light], surfaces: &Surfaces) -> Option<Vec<Bounds>> {
     let shapes: Vec<&Shape> = surfaces.shapes().collect();
     let areas = lights.iter().filter_map(|light| if let Light::Area(area) = light { Some(area) } else { None });
-    let balls = areas.map(|area| {
+    let boxes = areas.map(|area| {
         let bounds = shapes.get(area.shape as usize)?.bounds()?;
         // A little larger, for rounding.
-        Some((bounds.center(), 1.001 * bounds.radius() + f32::EPSILON * bounds.center().length()))
+        let pad = Vec3::splat(1e-3 * bounds.radius() + 1e-5 * bounds.center().length());
+        Some(Bounds { min: bounds.min - pad, max: bounds.max + pad })
     });
-    balls.collect::<Option<Vec<Ball>>>().filter(|balls| balls.len() <= FEW)
+    boxes.collect::<Option<Vec<Bounds>>>().filter(|boxes| boxes.len() <= FEW)
 }
