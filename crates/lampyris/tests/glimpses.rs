@@ -3,23 +3,30 @@
 mod common;
 
 use common::materials::{MATERIALS, bsdf, direction};
-use common::statistics::assert_same_mean;
-use common::{Lit, lit};
+use common::statistics::{assert_mean, assert_same_mean};
+use common::{Lit, lit, slab};
 use lampyris::material::{Event, Lobes};
 use lampyris::math::fresnel;
 use lampyris::sampler::Sampler;
 
 /// A floor of a material under a lamp that is all that it mirrors, seen from 37° to its normal.
 fn mirrored_lamp(material: &str, fov: f32, settings: &str) -> Lit {
-    let text = format!(
-        "camera = {{ origin = [3, 4, 0], target = [0, 0, 0], fov = {fov} }}
-         film = {{ size = [6, 6] }}
-         [[shapes]]
+    let floor = format!(
+        "[[shapes]]
          type = 'quad'
          corner = [-5, 0, -5]
          u = [0, 0, 10]
          v = [10, 0, 0]
-         material = {material}
+         material = {material}\n"
+    );
+    under_lamp(&floor, fov, settings)
+}
+
+fn under_lamp(floor: &str, fov: f32, settings: &str) -> Lit {
+    let text = format!(
+        "camera = {{ origin = [3, 4, 0], target = [0, 0, 0], fov = {fov} }}
+         film = {{ size = [6, 6] }}
+         {floor}
          [[shapes]]
          type = 'quad'
          corner = [-60, 12, -60]
@@ -56,6 +63,25 @@ fn every_path_sees_a_lamp_in_a_pane() {
                     }
                 }
             }
+        }
+    }
+}
+
+/// All reflections between the two sides of a pane add up to 2F / (1 + F): what comes from its inside has gone through
+/// boundaries, which glimpses do, too.
+#[test]
+fn glimpses_through_boundaries_count_no_light_twice() {
+    let mirrored = f64::from(fresnel::dielectric(0.8, 1.5).reflectance);
+    let expected = 2.0 * mirrored / (1.0 + mirrored);
+    for panes in [1, 2] {
+        // Between two panes light goes to and fro as it does within each.
+        let all = if panes == 1 { expected } else { 2.0 * expected / (1.0 + expected) };
+        let pane =
+            |number: u32| slab(-0.4 * number as f32, -0.4 * number as f32 - 0.2, 40.0, "{ type = 'glass', ior = 1.5 }");
+        let text: String = (0..panes).map(pane).collect();
+        for settings in ["integrator=path samples=16", "integrator=auto photons=100 samples=16"] {
+            let [found, ..] = under_lamp(&text, 0.1, settings).means(200);
+            assert_mean(&format!("{panes}, {settings}"), &found, all, 1e-4 * all, 0.01);
         }
     }
 }

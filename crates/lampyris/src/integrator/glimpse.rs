@@ -19,7 +19,7 @@ const BOUNDARIES: u32 = 4;
 pub(super) struct Seen {
     /// By this the light counts that the path meets next.
     pub left: f32,
-    /// Through so many boundaries they have gone on.
+    /// They have gone on from there through as many boundaries of glass, if there are so many.
     boundaries: u32,
 }
 
@@ -47,9 +47,9 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
         point.bsdf.lobes().contains(Event::Glossy) && self.glimpses(point)
     }
 
-    /// Looks where mirrors and glass would have led the path that has chosen otherwise, or something that leads nowhere, and adds the light of what shines
-    /// there; a path that goes there counts it less. For lamps that are seen in a coat or in a pane that mirrors little of
-    /// what falls on it, and would be met too rarely.
+    /// Looks where mirrors and glass would have led the path that has chosen otherwise, or something that leads nowhere, and
+    /// adds the light of what shines there; a path that goes there counts it less. For lamps that are seen in a coat or in a
+    /// pane that mirrors little of what falls on it, and would be met too rarely.
     pub(super) fn glimpse(&mut self, chosen: Option<&Scattered>, point: &SurfacePoint, path: &PathState) {
         let before = std::mem::replace(&mut self.seen, Seen::NOTHING);
         if point.bsdf.lobes().meets(Lobes::DELTA) && self.glimpses(point) {
@@ -100,11 +100,11 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
 
     /// The same in a direction (world) that was drawn so.
     pub(super) fn glimpse_toward(&mut self, to_light: Vec3, point: &SurfacePoint, path: &PathState) {
-        let pdf = point.gloss_pdf(to_light);
-        let value = point.eval_radiance(to_light) * (point.cos(to_light) / pdf);
+        let (value, pdf) = (point.eval_radiance(to_light), point.gloss_pdf(to_light));
         if value.is_zero() || pdf <= 0.0 {
             return;
         }
+        let value = value * (point.cos(to_light) / pdf);
         let own = self.goes_on() * self.scene.scattering_pdf(point, to_light);
         let (ray, from) = (point.surface.spawn(to_light), (point.surface.position, self.vista));
         self.scene.glimpse(&ray, path.cone.scattered(), from, |light, distance, shadow| {

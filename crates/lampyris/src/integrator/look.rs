@@ -81,8 +81,8 @@ impl<'a, S> Look<'a, S, true> {
 }
 
 impl<S, const MERGES: bool> Look<'_, S, MERGES> {
-    /// The weight of a light that the path met by chance after leaving a surface with a density of `pdf` per solid angle,
-    /// where shadow rays and photons have these.
+    /// The weight of a light that the path met by chance after its last smooth event, against glimpses, and shadow rays and
+    /// photons of these densities.
     fn met(&self, of_shadow_rays: impl FnOnce(&Last) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
         let others = |last: Last| squared(of_shadow_rays(&last) / last.pdf) + squared(last.glimpsed / last.pdf);
         let photons = |merge: &Merge| squared(merge.rivals_of_lamps.at_lamp(of_photons));

@@ -64,7 +64,8 @@ impl Sampler {
         }
     }
 
-    /// The numbers of the next step, for something beside the path, which are as even as its own.
+    /// The numbers of the next step, for something beside the path, which are as even as its own. Independent numbers are
+    /// those that come next: what they are taken for has the right mean, but varies with what the path takes them for.
     #[inline]
     pub fn ahead(&self) -> Sampler {
         let mut ahead = self.clone();
