@@ -317,8 +317,9 @@ impl Pilot {
 
     /// With radii that have shrunk to this share.
     fn merging(&self, shrunk: f32) -> Merging {
-        // As photons at a point and a path that goes on from there do the same, only so much of the latter is worth while.
-        let on = |count: f32| 1.0 / (1.0 + self.useful * count * shrunk * shrunk);
+        // As photons at a point and a path that goes on from there do the same, only so much of the latter is worth while; but
+        // where there is less than one photon, all of it is.
+        let on = |count: f32| 1.0 / (self.useful * count * shrunk * shrunk).max(1.0);
         let [first, further] = self.counts.map(on);
         Merging {
             paths: self.paths,
