@@ -44,6 +44,7 @@ fn photons() -> Vec<Photon> {
         reach: 1.0,
         slowness: 1.0,
         flux: Spectrum::ONE,
+        shading: 1.0,
         rivals: 0.0,
         path: 0,
         bounce: 0,

@@ -24,6 +24,7 @@ fn photon(position: Vec3) -> Photon {
         slowness: 1.0,
         flux: Spectrum::ONE,
         bounce: 0,
+        shading: 1.0,
         rivals: 0.0,
         path: 0,
         history: Lobes::NONE,

@@ -163,6 +163,7 @@ mod tests {
             slowness: 1.0,
             flux: Spectrum::from_rgb(flux),
             bounce: 1,
+            shading: 1.0,
             rivals: 0.0,
             path: 0,
             history,

@@ -22,6 +22,12 @@ pub struct Estimate<'m> {
 /// otherwise a dark line would follow every inner edge until the radius is small.
 const SAME_WAY: f32 = -0.1;
 
+/// From this on (cosine of 45°) photons are those of another wall. What lights it need not light this one: the sill of a
+/// window and the wall below it. They count by the cosine with which their light would fall on this, over that with which it
+/// fell on theirs, but no more than so many times.
+const SAME_WALL: f32 = 0.7;
+const MOST_TURNED: f32 = 4.0;
+
 /// Of two sheets that lie one on the other and face the same way, such as the inside of a lamp's back and the wall behind it,
 /// each sees the other from another side. On one surface, hollow or round, both see each other's front or both the back;
 /// where it swings from one to the other, they are nearly in a plane: within this share of their distance.
@@ -33,6 +39,16 @@ fn same_surface(photon: &Photon, center: Vec3, normal: Vec3) -> bool {
     let (above, sees) = (offset.dot(normal), -offset.dot(photon.normal));
     let stacked = above * sees < 0.0 && above.abs().min(sees.abs()) > SLACK * offset.length();
     photon.normal.dot(normal) > SAME_WAY && !stacked
+}
+
+/// How much of the light of `photon` would fall on a surface of this normal.
+fn turned(photon: &Photon, normal: Vec3) -> f32 {
+    if photon.normal.dot(normal) > SAME_WALL {
+        return 1.0;
+    }
+    let cos = |normal: Vec3| normal.dot(photon.direction).abs();
+    // Not 0 / 0: no photon falls along its surface but by rounding.
+    (cos(normal) / cos(photon.normal).max(f32::MIN_POSITIVE)).min(MOST_TURNED)
 }
 
 impl Estimate<'_> {
@@ -94,8 +110,9 @@ impl Estimate<'_> {
             let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
             let weights = weights(photon);
             if weights != [0.0; SETS] && counts {
-                // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's.
-                let light = photon.flux * (kernel / point.geometric_over_shading(to_light));
+                // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's. By the photon's
+                // own: how many of them there are goes with the cosine where they land, and has no limit over that here.
+                let light = photon.flux * (kernel * photon.shading * turned(photon, normal));
                 let light = match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
@@ -115,14 +132,82 @@ impl Estimate<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::material::Lobes;
+    use std::f32::consts::PI;
+    use std::sync::Arc;
 
-    /// Whether a photon there counts for the origin of a floor seen from above.
-    fn counts(position: Vec3, normal: Vec3) -> bool {
-        let photon = Photon {
+    use super::*;
+    use crate::geometry::{MeshData, Ray};
+    use crate::import::toml::read_str;
+    use crate::material::{Bsdf, Lobes};
+    use crate::photon::{Deposit, Volume};
+    use crate::sampler::Sampler;
+    use crate::scene::description::{GeometryDescription, ShapeDescription, Transform};
+    use crate::scene::{NoAssets, Scene, build};
+    use crate::transport::{PathState, Visitor};
+
+    /// Two sides of a roof along the y axis, diffuse 0.5, whose smooth normals all point up.
+    fn roof() -> Scene {
+        let text = "camera = { origin = [0, 0, 3], target = [0, 0, 0], up = [0, 1, 0], fov = 40 }\nlights = [{ type = 'constant', radiance = 1 }]";
+        let mut description = read_str("a.toml".as_ref(), text).expect("a scene").description;
+        let mesh = MeshData {
+            positions: vec![[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, -0.3], [1.0, 0.0, -0.3]],
+            normals: vec![[0.0, 0.0, 1.0]; 4],
+            triangles: vec![[0, 1, 2], [1, 0, 3]],
+            ..MeshData::default()
+        };
+        description.shapes.push(ShapeDescription {
+            geometry: GeometryDescription::Triangles(Arc::new(mesh)),
+            material: None,
+            interior: None,
+            priority: 0,
+            emission: None,
+            transform: Transform::default(),
+            flip_normal: false,
+            name: None,
+        });
+        build(&description, &NoAssets).expect("a scene").scene
+    }
+
+    /// Light lands on the right side, almost along the plane of the left one, on which it would be 61 times as bright by the
+    /// normals there.
+    #[test]
+    fn a_photon_of_the_next_triangle_counts_as_where_it_landed() {
+        let (scene, mut bsdf) = (roof(), Bsdf::default());
+        let (here, along) = (Vec3::new(0.05, 0.0, -0.015), Vec3::new(-1.0, 0.0, -0.31).normalize());
+        let ray = Ray { origin: here - along, direction: along };
+        let mut deposit = Deposit {
+            photons: Vec::new(),
+            beams: Vec::new(),
+            volume: Volume::Points,
+            volume_paths: 0,
+            direct: true,
+            direct_in_media: false,
+            max_bounces: 8,
+            path: 0,
+            parallel: false,
+            instead: None,
+        };
+        let point = scene.closest(&ray, &mut bsdf).expect("the right side");
+        deposit.vertex(&point, &PathState::new(ray, Spectrum::ONE), &mut Sampler::new(1, 0, 0, 0));
+        assert!((deposit.photons[0].position - here).length() < 1e-5);
+
+        let (radius, mut found) = (0.5, Nearest::default());
+        let map = PhotonMap::from_blocks(&[deposit.photons], 1, Radius::Fixed(radius));
+        let estimate = Estimate { map: &map, kernel: Kernel::Box, radius: Radius::Fixed(radius) };
+        let [cos_shading, cos] = [Vec3::Z, Vec3::new(0.3, 0.0, 1.0).normalize()].map(|normal| -normal.dot(along));
+        let expected = 0.5 / PI * (cos_shading / cos) / (PI * radius * radius);
+        for x in [-0.05, 0.05] {
+            let ray = Ray { origin: Vec3::new(x, 0.0, 1.0), direction: Vec3::NEG_Z };
+            let point = scene.closest(&ray, &mut bsdf).expect("the roof");
+            let radiance = estimate.radiance(&point, 8, &mut found).mean();
+            assert!((radiance / expected - 1.0).abs() < 1e-4, "{radiance} instead of {expected} at {x}");
+        }
+    }
+
+    fn photon(position: Vec3, normal: Vec3, direction: Vec3) -> Photon {
+        Photon {
             position,
-            direction: -normal,
+            direction,
             normal,
             optical_length: 0.0,
             reach: 1.0,
@@ -130,10 +215,30 @@ mod tests {
             flux: Spectrum::ONE,
             bounce: 0,
             history: Lobes::NONE,
+            shading: 1.0,
             rivals: 0.0,
             path: 0,
+        }
+    }
+
+    /// Whether a photon there counts for the origin of a floor seen from above.
+    fn counts(position: Vec3, normal: Vec3) -> bool {
+        same_surface(&photon(position, normal, -normal), Vec3::ZERO, Vec3::Z)
+    }
+
+    #[test]
+    fn photons_of_another_wall_count_by_how_their_light_would_fall_on_this() {
+        let falls = |normal: Vec3, direction: Vec3| {
+            let turned = turned(&photon(Vec3::X, normal, direction.normalize()), Vec3::Z);
+            (turned * 1e5).round() / 1e5
         };
-        same_surface(&photon, Vec3::ZERO, Vec3::Z)
+        let slanting = Vec3::new(1.0, 0.0, -3.0);
+        assert_eq!(falls(Vec3::NEG_X, Vec3::X), 0.0, "along the floor, straight on the wall");
+        assert_eq!(falls(Vec3::NEG_X, slanting), 3.0);
+        assert_eq!(falls(Vec3::NEG_X, Vec3::new(0.01, 0.0, -1.0)), MOST_TURNED, "along the wall");
+        assert_eq!(falls(Vec3::Z, slanting), 1.0, "the floor itself");
+        assert_eq!(falls(Vec3::new(0.6, 0.0, 0.8), slanting), 1.0, "the next triangle of something round");
+        assert_eq!(falls(Vec3::NEG_Z, slanting), 1.0, "the other side, through which the floor lets light");
     }
 
     #[test]

@@ -180,6 +180,7 @@ mod tests {
                 slowness: 1.0,
                 flux: Spectrum::ONE,
                 bounce: 0,
+                shading: 1.0,
                 rivals: 0.0,
                 path: 0,
                 history: Lobes::NONE,

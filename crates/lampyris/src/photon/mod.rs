@@ -43,6 +43,8 @@ pub struct Photon {
     pub slowness: f32,
     /// Flux in W, as if its path were the only one of its pass.
     pub flux: Spectrum,
+    /// |cos| of its direction to the shading normal where it landed, over that to the geometry's: 1 without shading normals.
+    pub shading: f32,
     /// What else could have made its path: see [`Rivals::at`](crate::transport::Rivals::at); 0 where nobody asks.
     pub rivals: f32,
     /// The number of its path in the pass.

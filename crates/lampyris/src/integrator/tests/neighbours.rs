@@ -24,6 +24,7 @@ fn photons(lengths: u32) -> PhotonMap {
             slowness: 1.0,
             // Unequal, so that rounding has its say.
             flux: Spectrum::ONE * (0.1 * (1 + number % 7) as f32),
+            shading: 1.0,
             rivals: 0.0,
             path: number as u32,
             bounce: 1,
