@@ -65,9 +65,11 @@ struct Pilot {
 /// Of photons that are denser than typical, as in a caustic, the nearest of so many are enough, and blur less; where there
 /// are more photons in all than usual, or their light is spread over time bins, of more of them.
 const NEAREST: f32 = 20.0;
-/// On the first surface, the radius is so large that it typically holds that many photons, but never less or more than so
-/// many pixels; and on all further ones, where what it blurs is not seen, so large that it holds this many.
-const FIRST_PIXELS: [f32; 2] = [2.0, 5.0];
+/// On the first surface, the radius is so large that it typically holds that many photons, but at least so many pixels. If
+/// that takes more than the larger number of pixels, photons are too few to bring what paths bring as well: the radius is
+/// smaller again by as much, so that they blur little, and are left to what is denser than typical. On all further surfaces,
+/// where what it blurs is not seen, it is so large that it holds this many.
+const FIRST_PIXELS: [f32; 2] = [3.0, 8.0];
 const FURTHER_COUNT: f32 = 5.0;
 
 /// Light paths a pass for each pixel, but no less and no more than so many; and at least and at most so many times that, by
@@ -284,7 +286,8 @@ impl Pilot {
         let typical = pilot::median(widths).unwrap_or(f32::INFINITY);
         let further = pilot::median(radii);
         let [least, most] = FIRST_PIXELS;
-        self.first = settings.radius.unwrap_or(typical.clamp(least, most * self.bins.cbrt().sqrt()));
+        let turn = most * self.bins.cbrt().sqrt();
+        self.first = settings.radius.unwrap_or(typical.min(turn * turn / typical).max(least));
         self.further = further.unwrap_or_else(|| pilot::fallback(scene));
         self.counts = [nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| of_further)];
     }

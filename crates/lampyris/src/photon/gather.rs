@@ -22,10 +22,10 @@ pub struct Estimate<'m> {
 /// otherwise a dark line would follow every inner edge until the radius is small.
 const SAME_WAY: f32 = -0.1;
 
-/// From this on (cosine of 45°) photons are those of another wall. What lights it need not light this one: the sill of a
+/// From this on (cosine of 60°) photons are those of another wall. What lights it need not light this one: the sill of a
 /// window and the wall below it. They count by the cosine with which their light would fall on this, over that with which it
 /// fell on theirs, but no more than so many times.
-const SAME_WALL: f32 = 0.7;
+const SAME_WALL: f32 = 0.5;
 const MOST_TURNED: f32 = 4.0;
 
 /// Of two sheets that lie one on the other and face the same way, such as the inside of a lamp's back and the wall behind it,

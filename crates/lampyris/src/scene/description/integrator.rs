@@ -90,7 +90,8 @@ pub struct AutoSettings {
     /// Camera samples per pixel and pass (default 1).
     pub samples: u32,
     /// How far photons are looked for in the first pass, over the width of a pixel on the surface that it shows. By
-    /// default it is chosen so that a typical point finds 20 photons, between 2 and 5.
+    /// default it is chosen so that a typical point finds 20 photons, if that takes no more than 8, and smaller again where
+    /// it does; at least 3.
     pub radius: Option<f32>,
     /// How slowly the radius shrinks, 0 to 1 (default 2/3, the optimum on surfaces).
     pub alpha: f32,
