@@ -285,8 +285,8 @@ impl Pilot {
         });
         let typical = pilot::median(widths).unwrap_or(f32::INFINITY);
         let further = pilot::median(radii);
-        let [least, most] = FIRST_PIXELS;
-        let turn = most * self.bins.cbrt().sqrt();
+        let [least, turn] = FIRST_PIXELS;
+        let turn = turn * self.bins.cbrt().sqrt();
         self.first = settings.radius.unwrap_or(typical.min(turn * turn / typical).max(least));
         self.further = further.unwrap_or_else(|| pilot::fallback(scene));
         self.counts = [nearest as f32 * (self.first / typical).powi(2), further.map_or(0.0, |_| of_further)];

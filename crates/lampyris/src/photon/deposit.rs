@@ -116,7 +116,7 @@ impl Visitor for Deposit<'_> {
                 reach: if self.parallel && path.bounce == 0 { f32::INFINITY } else { point.distance },
                 slowness: path.slowness,
                 flux: path.throughput,
-                shading: point.geometric_over_shading(point.to_previous).max(1e-3).recip(),
+                shading: point.geometric_over_shading_back().recip(),
                 rivals,
                 path: self.path,
                 bounce: u16::try_from(path.bounce).unwrap_or(u16::MAX),

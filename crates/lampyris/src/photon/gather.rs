@@ -147,7 +147,8 @@ mod tests {
 
     /// Two sides of a roof along the y axis, diffuse 0.5, whose smooth normals all point up.
     fn roof() -> Scene {
-        let text = "camera = { origin = [0, 0, 3], target = [0, 0, 0], up = [0, 1, 0], fov = 40 }\nlights = [{ type = 'constant', radiance = 1 }]";
+        let text = "camera = { origin = [0, 0, 3], target = [0, 0, 0], up = [0, 1, 0], fov = 40 }
+            lights = [{ type = 'constant', radiance = 1 }]";
         let mut description = read_str("a.toml".as_ref(), text).expect("a scene").description;
         let mesh = MeshData {
             positions: vec![[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, -0.3], [1.0, 0.0, -0.3]],

@@ -125,8 +125,7 @@ impl SurfacePoint<'_> {
     /// angle: with the adjoint cosine, as with a shading normal it is the geometry that sends light off [Veach 1997, eq. 5.17].
     #[inline]
     pub fn sent(&self, to_next: Vec3) -> Spectrum {
-        let cos = self.cos(to_next) * self.geometric_over_shading(to_next)
-            / self.geometric_over_shading(self.to_previous).max(1e-3);
+        let cos = self.cos(to_next) * self.geometric_over_shading(to_next) / self.geometric_over_shading_back();
         self.eval(to_next) * cos
     }
 
@@ -204,5 +203,11 @@ impl SurfacePoint<'_> {
             return 1.0;
         }
         self.surface.normal.dot(direction).abs() / self.cos(direction).max(1e-4)
+    }
+
+    /// The same back along the path, as a divisor: never so small that what is divided has no limit.
+    #[inline]
+    pub fn geometric_over_shading_back(&self) -> f32 {
+        self.geometric_over_shading(self.to_previous).max(1e-3)
     }
 }

@@ -231,7 +231,7 @@ impl PathState {
             Origin::Light => {
                 self.throughput *= point.unshadowed(point.to_previous)
                     * point.geometric_over_shading(scattered.to_next)
-                    / point.geometric_over_shading(point.to_previous).max(1e-3);
+                    / point.geometric_over_shading_back();
             }
         }
         self.ior *= scattered.ior_ratio.lanes()[0];
