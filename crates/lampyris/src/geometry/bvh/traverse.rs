@@ -1,5 +1,6 @@
 //! The way of a ray through a tree, nearest boxes first.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::kernel::{Isa, Kernel};
@@ -98,8 +99,7 @@ pub(super) fn closest<K: Kernel, L: Leaves, const STACK: usize>(
     leaves: &mut L,
 ) {
     let mut limit = limit;
-    let mut stack = [0_u64; STACK];
-    let mut top = 0;
+    let mut stack = ArrayVec::<u64, STACK>::new();
     let mut here = 0;
     loop {
         while here & LEAF == 0 {
@@ -116,19 +116,19 @@ pub(super) fn closest<K: Kernel, L: Leaves, const STACK: usize>(
             let (mut nearest, last) = next();
             if !last {
                 // All but the nearest wait, sorted, the farthest at the bottom.
-                let bottom = top;
+                let bottom = stack.len();
                 loop {
                     let (mut other, last) = next();
                     if other < nearest {
                         std::mem::swap(&mut other, &mut nearest);
                     }
-                    let mut place = top;
+                    let mut place = stack.len();
+                    stack.push(other);
                     while place > bottom && stack[place - 1] < other {
                         stack[place] = stack[place - 1];
                         place -= 1;
                     }
                     stack[place] = other;
-                    top += 1;
                     prefetch(kernel, nodes, leaves, other as u32);
                     if last {
                         break;
@@ -142,12 +142,9 @@ pub(super) fn closest<K: Kernel, L: Leaves, const STACK: usize>(
         }
         // The next that is not beyond what was found since it began to wait.
         loop {
-            if top == 0 {
-                return;
-            }
-            top -= 1;
-            if f32::from_bits((stack[top] >> 32) as u32) <= limit * STRETCH {
-                here = stack[top] as u32;
+            let Some(next) = stack.pop() else { return };
+            if f32::from_bits((next >> 32) as u32) <= limit * STRETCH {
+                here = next as u32;
                 break;
             }
         }
@@ -162,11 +159,9 @@ pub(super) fn any<K: Kernel, L: Leaves, const STACK: usize>(
     limit: f32,
     leaves: &mut L,
 ) -> bool {
-    let mut stack = [0_u32; STACK];
-    let mut top = 1;
-    while top > 0 {
-        top -= 1;
-        let here = stack[top];
+    let mut stack = ArrayVec::<u32, STACK>::new();
+    stack.push(0);
+    while let Some(here) = stack.pop() {
         if here & LEAF != 0 {
             if leaves.any(kernel, here & !LEAF, limit) {
                 return true;
@@ -178,8 +173,7 @@ pub(super) fn any<K: Kernel, L: Leaves, const STACK: usize>(
         while met != 0 {
             let child = node.children[met.trailing_zeros() as usize % WIDTH];
             met &= met - 1;
-            stack[top] = child;
-            top += 1;
+            stack.push(child);
             prefetch(kernel, nodes, leaves, child);
         }
     }
