@@ -118,7 +118,7 @@ const ROWS_AT_ONCE: usize = 128;
 const BYTES_AT_ONCE: usize = 1 << 28;
 
 /// Light paths are traced in blocks of this many.
-pub(super) const BLOCK: u64 = 4096;
+pub(super) const BLOCK: u64 = 512;
 
 /// How light path `index` of a pass begins, and the numbers that are left for it.
 #[inline]
