@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::blocks::{CameraPass, Eye};
 use super::guiding::{self, Judgement, Learned};
 use super::look::Look;
-use super::merge::{Merge, Merging};
+use super::merge::{Found, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
 use super::sharing::Sharing;
@@ -135,14 +135,14 @@ struct Merged {
 }
 
 impl Eye for Merged {
-    type Working = Nearest;
+    type Working = Found;
 
     fn look<S: Sink>(
         &self,
         scene: &Scene,
         path: PathState,
         sampler: &mut Sampler,
-        found: &mut Nearest,
+        found: &mut Found,
         sink: &mut S,
     ) -> u32 {
         let merge = Merge::new(&self.maps.surface, self.merging, found);

@@ -10,14 +10,13 @@ use serde::{Deserialize, Serialize};
 use super::Pass;
 use super::blocks::emitted;
 use super::look::Look;
-use super::merge::{Merge, Merging};
+use super::merge::{Found, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Maps;
 use super::sharing::Sharing;
 use crate::film::{Plain, Sink};
 use crate::light::{Focus, Guide, Lesson, LightId};
 use crate::material::Event;
-use crate::photon::Nearest;
 use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::{AutoSettings, FilmDescription};
@@ -166,7 +165,7 @@ pub(super) fn judge(
     let size = Vec2::new(film.size[0] as f32, film.size[1] as f32);
     let family = u64::from(pass.index);
     let group = |group: u64| {
-        let mut found = Nearest::default();
+        let mut found = Found::default();
         let mut see = |pixel: Vec2, mut sampler: Sampler| {
             let path = PathState::from_camera(scene, pixel, &mut sampler);
             let (mut sink, mut tally) = (Plain::default(), Vec::new());

@@ -38,11 +38,15 @@ impl Merging {
     }
 }
 
+/// Photons that were found on first smooth surfaces, and on all further ones: each search begins where the one before it ended,
+/// and these two have other radii.
+pub(super) type Found = [Nearest; 2];
+
 /// A path from the camera that is merged with photons.
 pub(super) struct Merge<'a> {
     map: &'a PhotonMap,
     merging: Merging,
-    found: &'a mut Nearest,
+    found: &'a mut Found,
     /// What photons have brought, by the numbers of their paths, for those who ask.
     pub(super) tally: Option<&'a mut Vec<(u32, f32)>>,
     /// What else could have made the path so far.
@@ -58,7 +62,7 @@ pub(super) struct Merge<'a> {
 }
 
 impl<'a> Merge<'a> {
-    pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Nearest) -> Merge<'a> {
+    pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Found) -> Merge<'a> {
         let nothing = Rivals::default();
         let (first, here, went_on) = (true, 0.0, 1.0);
         Merge { map, merging, found, tally: None, rivals: nothing, rivals_of_lamps: nothing, first, here, went_on }
@@ -109,7 +113,8 @@ impl<'a> Merge<'a> {
             kernel: Kernel::Epanechnikov,
             radius: Radius::Nearest { count: self.merging.nearest, max_radius: most },
         };
-        let radius = self.merging.shrunk * estimate.find(point, self.found);
+        let found = &mut self.found[usize::from(!self.first)];
+        let radius = self.merging.shrunk * estimate.find(point, found);
         let (at, on, per_photon) = (self.rivals.at(point), self.goes_on(), 1.0 / self.here);
         let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
         if point.is_lambertian() {
@@ -138,12 +143,13 @@ impl<'a> Merge<'a> {
         sink: &mut S,
         sets: impl Fn(&Photon) -> [f32; SETS],
     ) -> ([Spectrum; SETS], Spectrum) {
+        let found = &mut self.found[usize::from(!self.first)];
         let Some(tally) = &mut self.tally else {
             return estimate
-                .weighted(point, radius, self.found, sets, |photon, light| note(sink, photon, light, point, path));
+                .weighted(point, radius, found, sets, |photon, light| note(sink, photon, light, point, path));
         };
         let mut light_of = Vec::new();
-        let (sums, unit) = estimate.weighted(point, radius, self.found, sets, |photon, light| {
+        let (sums, unit) = estimate.weighted(point, radius, found, sets, |photon, light| {
             light_of.push((photon.path, light));
         });
         let seen = unit * path.throughput;

@@ -124,7 +124,10 @@ impl Estimate<'_> {
         self.kernel.weigh::<2>(radius, found.hits.distances_squared_mut());
         let photons = self.map.photons();
         for (&index, &weight) in found.hits.indices().iter().zip(found.hits.distances_squared()) {
-            add(&photons[index as usize], weight);
+            // Radii shrink after they were found: beyond them a photon weighs nothing.
+            if weight > 0.0 {
+                add(&photons[index as usize], weight);
+            }
         }
         even.unwrap_or(Spectrum::ONE) / self.map.paths_emitted() as f32
     }

@@ -27,7 +27,8 @@ pub struct PhotonMap {
 pub struct Nearest {
     pub(super) hits: Hits,
     few: Vec<f32>,
-    /// How far the last search for nearest photons had to go: the next is often beside it.
+    /// How far the last search for nearest photons had to go: the next is often beside it. Infinite if there were not enough as
+    /// far as it was allowed to go.
     last: f32,
 }
 
@@ -116,6 +117,7 @@ impl PhotonMap {
         };
         let guess = if found.last > 0.0 { found.last } else { self.grid.radius() };
         let mut reach = (MARGIN * guess).min(max_radius);
+        let mut enough = true;
         let radius_squared = loop {
             self.lanes.search(&self.grid, &self.positions, center, reach, &mut found.hits);
             let hits = &found.hits;
@@ -123,6 +125,7 @@ impl PhotonMap {
                 break kth_smallest(hits.distances_squared(), count, reach * reach, &mut found.few);
             }
             if reach >= max_radius || hits.len() == self.photons.len() {
+                enough = false;
                 break if max_radius.is_finite() {
                     max_radius * max_radius
                 } else {
@@ -133,7 +136,7 @@ impl PhotonMap {
         };
         found.hits.keep_below(radius_squared);
         let radius = radius_squared.sqrt();
-        found.last = if radius.is_finite() { radius } else { 0.0 };
+        found.last = if enough { radius } else { f32::INFINITY };
         radius
     }
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::film::Sink;
 use crate::geometry::{Cone, Ray, Surface};
 use crate::integrator::look::Look;
-use crate::integrator::merge::{Merge, Merging};
+use crate::integrator::merge::{Found, Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius, Volume};
@@ -299,7 +299,7 @@ impl Chain {
 
     /// What `auto` adds on a walk from the camera as far as the point `end`.
     fn look(&self, scene: &Scene, map: &PhotonMap, end: usize) -> Option<Vec<Spectrum>> {
-        let (mut found, mut sink) = (Nearest::default(), Noted::default());
+        let (mut found, mut sink) = (Found::default(), Noted::default());
         let merge = Merge::new(map, MERGING, &mut found);
         let mut look = Look::merging(scene, self.max_bounces(), &mut sink, merge, None);
         for at in 1..=end {
@@ -314,7 +314,7 @@ impl Chain {
 
     /// What a glimpse at the lamp from the point before it adds, and the light of which it is a part.
     fn glimpse(&self, scene: &Scene) -> Option<(Spectrum, Spectrum)> {
-        let (mut found, mut sink) = (Nearest::default(), Noted::default());
+        let (mut found, mut sink) = (Found::default(), Noted::default());
         let map = PhotonMap::build(Vec::new(), MERGING.paths, Radius::Fixed(1.0));
         let merge = Merge::new(&map, MERGING, &mut found);
         let mut look = Look::merging(scene, self.max_bounces(), &mut sink, merge, None);
