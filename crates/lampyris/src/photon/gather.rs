@@ -24,7 +24,8 @@ const SAME_WAY: f32 = -0.1;
 
 /// From this on (cosine of 60°) photons are those of another wall. What lights it need not light this one: the sill of a
 /// window and the wall below it. They count by the cosine with which their light would fall on this, over that with which it
-/// fell on theirs, but no more than so many times.
+/// fell on theirs, but no more than so many times; and not at all if their light began behind this wall, as what goes back and
+/// forth in a niche that ends at it, or if one of the two lies before the other and the other behind the one.
 const SAME_WALL: f32 = 0.5;
 const MOST_TURNED: f32 = 4.0;
 
@@ -33,12 +34,22 @@ const MOST_TURNED: f32 = 4.0;
 /// where it swings from one to the other, they are nearly in a plane: within this share of their distance.
 const SLACK: f32 = 0.1;
 
-/// Whether light that falls on `photon` can stand for light at the point `center`, whose side towards the gatherer is `normal`.
-fn same_surface(photon: &Photon, center: Vec3, normal: Vec3) -> bool {
+/// How much of the light of `photon` stands for light at the point `center`, whose side towards the gatherer is `normal` and lets
+/// no light through.
+fn stands_for(photon: &Photon, center: Vec3, normal: Vec3) -> f32 {
+    let facing = photon.normal.dot(normal);
+    if facing <= SAME_WAY {
+        return 0.0;
+    }
     let offset = photon.position - center;
     let (above, sees) = (offset.dot(normal), -offset.dot(photon.normal));
-    let stacked = above * sees < 0.0 && above.abs().min(sees.abs()) > SLACK * offset.length();
-    photon.normal.dot(normal) > SAME_WAY && !stacked
+    let apart = above * sees < 0.0;
+    if facing > SAME_WALL {
+        let stacked = apart && above.abs().min(sees.abs()) > SLACK * offset.length();
+        return if stacked { 0.0 } else { 1.0 };
+    }
+    let began_behind = above <= photon.reach * photon.direction.dot(normal);
+    if apart || began_behind { 0.0 } else { turned(photon, normal) }
 }
 
 /// How much of the light of `photon` would fall on a surface of this normal.
@@ -104,15 +115,18 @@ impl Estimate<'_> {
         } else {
             point.surface.normal
         };
-        let even = point.even();
+        let (even, transmits) = (point.even(), point.bsdf.transmits());
         let mut add = |photon: &Photon, kernel: f32| {
             let to_light = -photon.direction;
-            let counts = point.bsdf.transmits() || same_surface(photon, center, normal);
+            let stands = if transmits { turned(photon, normal) } else { stands_for(photon, center, normal) };
+            if stands == 0.0 {
+                return;
+            }
             let weights = weights(photon);
-            if weights != [0.0; SETS] && counts {
+            if weights != [0.0; SETS] {
                 // A photon is flux per area of the geometry, the BSDF wants it per area of the shading normal's. By the photon's
                 // own: how many of them there are goes with the cosine where they land, and has no limit over that here.
-                let light = photon.flux * (kernel * photon.shading * turned(photon, normal));
+                let light = photon.flux * (kernel * photon.shading * stands);
                 let light = match even {
                     Some(_) if point.same_side(to_light) => light,
                     Some(_) => Spectrum::ZERO,
@@ -225,9 +239,10 @@ mod tests {
         }
     }
 
-    /// Whether a photon there counts for the origin of a floor seen from above.
+    /// Whether a photon there counts for the origin of a floor seen from above, if its light comes from far above, too.
     fn counts(position: Vec3, normal: Vec3) -> bool {
-        same_surface(&photon(position, normal, -normal), Vec3::ZERO, Vec3::Z)
+        let slanting = (-normal - 0.5 * Vec3::Z).normalize();
+        stands_for(&Photon { reach: 10.0, ..photon(position, normal, slanting) }, Vec3::ZERO, Vec3::Z) > 0.0
     }
 
     #[test]
@@ -261,5 +276,22 @@ mod tests {
         let around = Vec3::new(1.0, 0.0, 1.0).normalize();
         assert!(counts(around - Vec3::Z, around), "a ball from outside");
         assert!(counts(Vec3::Z - around, around), "a ball from inside");
+    }
+
+    #[test]
+    fn photons_of_a_wall_that_stands_before_this_one_and_turns_its_back_do_not_count() {
+        assert!(!counts(Vec3::new(1.0, 0.0, 0.01), Vec3::X), "a step up");
+        assert!(!counts(Vec3::new(1.0, 0.0, -0.01), Vec3::NEG_X), "a groove, seen from its farther edge");
+    }
+
+    #[test]
+    fn light_that_began_behind_a_wall_does_not_count_there() {
+        // Below the floor, on the side of the block that it is the top of: the light comes down to it from there or farther.
+        let down = Vec3::new(-1.0, 0.0, -1.0).normalize();
+        let at = |reach: f32| {
+            let photon = Photon { reach, ..photon(Vec3::new(0.5, 0.0, -1.0), Vec3::X, down) };
+            stands_for(&photon, Vec3::ZERO, Vec3::Z)
+        };
+        assert_eq!([at(1.4), at(1.42), at(f32::INFINITY)], [0.0, 1.0, 1.0]);
     }
 }
