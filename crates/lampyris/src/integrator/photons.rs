@@ -47,15 +47,11 @@ impl Photons {
             self.volume.map_or((Volume::Points, 0), |estimate| (estimate.volume, estimate.paths.min(paths)));
         let new = || Deposit {
             photons: photons(),
-            beams: Vec::new(),
             volume,
             volume_paths,
             direct,
             direct_in_media: self.volume.is_some_and(|estimate| estimate.direct > 0.0),
-            max_bounces,
-            path: 0,
-            parallel: false,
-            instead: instead(),
+            ..Deposit::on_surfaces(max_bounces, instead())
         };
         let blocks = light_pass(scene, pass, paths, max_bounces, observer, new);
         observer.phase(Phase::Map);

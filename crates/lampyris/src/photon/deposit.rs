@@ -74,7 +74,23 @@ impl<'s> Instead<'s> {
     }
 }
 
-impl Deposit<'_> {
+impl<'s> Deposit<'s> {
+    /// On surfaces alone, of light that has been scattered before.
+    pub fn on_surfaces(max_bounces: u32, instead: Option<Instead<'s>>) -> Deposit<'s> {
+        Deposit {
+            photons: Vec::new(),
+            beams: Vec::new(),
+            volume: Volume::Points,
+            volume_paths: 0,
+            direct: false,
+            direct_in_media: false,
+            max_bounces,
+            path: 0,
+            parallel: false,
+            instead,
+        }
+    }
+
     /// Whether light that a path leaves in a medium can come to the camera.
     fn readable_in(&self, matter: &Matter, path: &PathState) -> bool {
         let wants = self.direct_in_media || path.bounce > 0 || path.hidden_lamp;

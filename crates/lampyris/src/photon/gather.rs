@@ -156,7 +156,7 @@ mod tests {
     use crate::geometry::{MeshData, Ray};
     use crate::import::toml::read_str;
     use crate::material::{Bsdf, Lobes};
-    use crate::photon::{Deposit, Volume};
+    use crate::photon::Deposit;
     use crate::sampler::Sampler;
     use crate::scene::description::{GeometryDescription, ShapeDescription, Transform};
     use crate::scene::{NoAssets, Scene, build};
@@ -193,18 +193,7 @@ mod tests {
         let (scene, mut bsdf) = (roof(), Bsdf::default());
         let (here, along) = (Vec3::new(0.05, 0.0, -0.015), Vec3::new(-1.0, 0.0, -0.31).normalize());
         let ray = Ray { origin: here - along, direction: along };
-        let mut deposit = Deposit {
-            photons: Vec::new(),
-            beams: Vec::new(),
-            volume: Volume::Points,
-            volume_paths: 0,
-            direct: true,
-            direct_in_media: false,
-            max_bounces: 8,
-            path: 0,
-            parallel: false,
-            instead: None,
-        };
+        let mut deposit = Deposit { direct: true, ..Deposit::on_surfaces(8, None) };
         let point = scene.closest(&ray, &mut bsdf).expect("the right side");
         deposit.vertex(&point, &PathState::new(ray, Spectrum::ONE), &mut Sampler::new(1, 0, 0, 0));
         assert!((deposit.photons[0].position - here).length() < 1e-5);

@@ -11,7 +11,7 @@ use crate::integrator::look::Look;
 use crate::integrator::merge::{Found, Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
-use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius, Volume};
+use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
 use crate::spectrum::Spectrum;
@@ -361,18 +361,7 @@ impl Chain {
     fn photon(&self, scene: &Scene, end: usize) -> Option<Photon> {
         let instead = Instead::new(scene, MERGING.density(MERGING.further), MERGING.on_from_further);
         let max_bounces = self.max_bounces();
-        let mut deposit = Deposit {
-            photons: Vec::new(),
-            beams: Vec::new(),
-            volume: Volume::Points,
-            volume_paths: 1,
-            direct: false,
-            direct_in_media: false,
-            max_bounces,
-            path: 0,
-            parallel: false,
-            instead: Some(instead),
-        };
+        let mut deposit = Deposit::on_surfaces(max_bounces, Some(instead));
         let source = match self.lamp {
             Lamp::Shape(shape, surface) => Source::Shape(shape, surface),
             Lamp::Point(_) => Source::Point,
