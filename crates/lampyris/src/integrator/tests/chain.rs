@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::film::Sink;
 use crate::geometry::{Cone, Ray, Surface};
 use crate::integrator::look::Look;
-use crate::integrator::merge::{Found, Merge, Merging};
+use crate::integrator::merge::{COUNTED, Found, Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::photon::{Deposit, Estimate, Instead, Kernel, Nearest, Photon, PhotonMap, Radius};
@@ -264,7 +264,7 @@ impl Chain {
         }
         for at in (1..last - 1).filter(|&at| self.is_smooth(at)) {
             let radius = MERGING.shrunk * if Some(at) == first { MERGING.first * WIDTH } else { MERGING.further };
-            let photons = PI * f64::from(radius).powi(2) * MERGING.paths as f64;
+            let photons = f64::from(COUNTED) * PI * f64::from(radius).powi(2) * MERGING.paths as f64;
             ways.push((Way::Merge(at), seen[at] * photons * lit[at]));
         }
         Some(ways)
