@@ -117,7 +117,7 @@ const ROWS_AT_ONCE: usize = 128;
 /// What light by time in the rows that wait may take; where that is less than one row for each thread, it is these.
 const BYTES_AT_ONCE: usize = 1 << 28;
 
-/// Light paths are traced in blocks of this many.
+/// Light paths are traced in blocks of this many: few enough that threads end together where a pass has ten thousand.
 pub(super) const BLOCK: u64 = 512;
 
 /// How light path `index` of a pass begins, and the numbers that are left for it.

@@ -41,7 +41,7 @@ impl Photons {
     ) -> Maps {
         observer.phase(Phase::Photons);
         let Photons { paths, max_bounces, direct, .. } = *self;
-        // A block has some thousand paths and most paths a photon or two; growing would copy them.
+        // Most paths have a photon or two; growing would copy them.
         let photons = || Vec::with_capacity(2 * BLOCK as usize);
         let (volume, volume_paths) =
             self.volume.map_or((Volume::Points, 0), |estimate| (estimate.volume, estimate.paths.min(paths)));

@@ -117,20 +117,15 @@ impl PhotonMap {
         };
         let guess = if found.last > 0.0 { found.last } else { self.grid.radius() };
         let mut reach = (MARGIN * guess).min(max_radius);
-        let mut enough = true;
-        let radius_squared = loop {
+        let (radius_squared, enough) = loop {
             self.lanes.search(&self.grid, &self.positions, center, reach, &mut found.hits);
             let hits = &found.hits;
             if hits.len() >= count {
-                break kth_smallest(hits.distances_squared(), count, reach * reach, &mut found.few);
+                break (kth_smallest(hits.distances_squared(), count, reach * reach, &mut found.few), true);
             }
             if reach >= max_radius || hits.len() == self.photons.len() {
-                enough = false;
-                break if max_radius.is_finite() {
-                    max_radius * max_radius
-                } else {
-                    hits.distances_squared().iter().copied().fold(0.0, f32::max)
-                };
+                let all = || hits.distances_squared().iter().copied().fold(0.0, f32::max);
+                break (if max_radius.is_finite() { max_radius * max_radius } else { all() }, false);
             }
             reach = (reach * GROWTH).min(max_radius);
         };
