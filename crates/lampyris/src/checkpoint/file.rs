@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `LAMPYRIS FILM 4` and a line feed; the number is the version of this table |
+//! | 16 | `LAMPYRIS FILM 5` and a line feed; the number is the version of this table |
 //! | 8 | the length of the header |
 //! | | the header, in JSON: the [`Identity`], the passes, the layers, how a wall is captured |
 //! | 8 | the length of the pilot |
@@ -28,7 +28,7 @@ struct Header {
     film: FilmShape,
 }
 
-pub(super) const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 4\n";
+pub(super) const MAGIC: &[u8; 16] = b"LAMPYRIS FILM 5\n";
 /// What the files of all versions begin with.
 const ANY_VERSION: usize = 14;
 pub(super) const CHECKSUM: usize = 4;

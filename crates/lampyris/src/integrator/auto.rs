@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::alone::alone;
 use super::blocks::{CameraPass, Eye};
 use super::guiding::{self, Judgement, Learned};
 use super::look::Look;
 use super::merge::{Found, Merge, Merging};
-use super::path::CAMERA_ROULETTE_FROM;
+use super::path::{CAMERA_ROULETTE_FROM, PathTracing};
 use super::photons::{Maps, Photons};
 use super::sharing::Sharing;
 use super::survey::{outlook, survey};
@@ -25,7 +26,7 @@ use crate::material::Lobes;
 use crate::photon::{Instead, Kernel, Nearest, PhotonMap, Radius, shrunk};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::scene::description::{AutoSettings, FilmDescription};
+use crate::scene::description::{AutoSettings, FilmDescription, PathSettings};
 use crate::transport::{Limits, Origin, PathState, walk};
 
 /// See the module.
@@ -35,6 +36,8 @@ pub struct Auto {
     pilot: Pilot,
     guide: Option<Arc<Guide>>,
     outlook: Option<Arc<Outlook>>,
+    /// What traces paths where photons are not worth their price.
+    alone: Option<PathTracing>,
 }
 
 /// What the pilot finds: about the first pass.
@@ -42,6 +45,8 @@ pub struct Auto {
 struct Pilot {
     /// Light paths a pass.
     paths: u64,
+    /// Whether these are worth their price.
+    is_worth_it: bool,
     /// The radius on the first smooth surface that the camera sees, over the width of what a pixel sees there.
     first: f32,
     /// The radius on all further surfaces, in scene units.
@@ -92,6 +97,14 @@ const LEAST_SHARE: f32 = 0.05;
 /// measured.
 const ENOUGH_BEAMS: f64 = 16_384.0;
 
+/// Photons are left where they make variance times price so many times less, as the pilot judges. It flatters them: its unit of
+/// light at a place has its own photons in it, a film's paths are more even than its photons, and of these there are fewer at
+/// a point as radii shrink; measured.
+const LEAST_WORTH: f32 = 1.6;
+
+/// To look for photons around the points of a path from the camera and to weigh them takes so many rays' time; measured.
+const SEARCHES: f32 = 0.2;
+
 /// What is learned is used if it is worth so many times as many photons.
 const LEAST_GAIN: f32 = 1.5;
 
@@ -105,7 +118,14 @@ impl Auto {
         observer: &dyn Observer,
     ) -> Auto {
         let pilot = Pilot::measure(scene, film, &settings, seed, observer);
-        Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), pilot }
+        Auto::with(scene, settings, pilot)
+    }
+
+    fn with(scene: &Scene, settings: AutoSettings, pilot: Pilot) -> Auto {
+        let AutoSettings { samples, max_bounces, guiding, .. } = settings;
+        let of_paths = PathSettings { samples, max_bounces, guiding };
+        let alone = (!pilot.is_worth_it).then(|| PathTracing::seeing(scene, of_paths, pilot.seen.clone()));
+        Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), alone, pilot }
     }
 
     /// With what a pilot has found out before.
@@ -117,7 +137,7 @@ impl Auto {
         if !pilot.is_fit(scene, &settings) {
             return Err(pilot::unfit());
         }
-        Ok(Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), pilot })
+        Ok(Auto::with(scene, settings, pilot))
     }
 
     /// How paths merge with the photons of a pass.
@@ -168,6 +188,7 @@ impl Pilot {
         let seen = settings.guiding.then(|| survey(scene, film, settings.max_bounces, seed, observer)).flatten();
         let mut pilot = Pilot {
             paths,
+            is_worth_it: true,
             first: 1.0,
             further,
             counts,
@@ -195,8 +216,21 @@ impl Pilot {
             pilot.learned = pilot.learned.filter(|learned| learned.gain(scene, &pass, &judgement.worth) > LEAST_GAIN);
             pilot.useful = (judgement.share / LEAST_SHARE).min(1.0);
             if settings.photons.is_none() {
-                pilot.choose_paths(&judgement, counting.rays());
+                let rays = counting.rays() as f32 / pilot.paths as f32;
+                let judged = pilot.paths as f32;
+                pilot.choose_paths(&judgement, rays);
+                let times = pilot.paths as f32 / judged;
+                if settings.radius.is_none() && pilot.volume.is_none() {
+                    let of_light = rays * pilot.paths as f32 / (pixels * settings.samples as f32);
+                    let price = judgement.rays + SEARCHES + of_light;
+                    let merged = (EVENNESS * judgement.of_camera + judgement.of_photons / times) * price;
+                    let alone = alone(scene, &pass, settings.max_bounces, &judgement.places);
+                    pilot.is_worth_it = EVENNESS * alone.variance * alone.rays >= LEAST_WORTH * merged;
+                }
             }
+        }
+        if !pilot.is_worth_it {
+            return pilot;
         }
         // What is changed so is measured again.
         let pass = Pass { index: pilot::PASS - rounds - 1, seed };
@@ -209,9 +243,8 @@ impl Pilot {
         pilot
     }
 
-    /// As many light paths as make error times price least, where those of the pass that was judged took so many rays.
-    fn choose_paths(&mut self, judgement: &Judgement, rays: u64) {
-        let rays = rays as f32 / self.paths as f32;
+    /// As many light paths as make error times price least, where each takes so many rays.
+    fn choose_paths(&mut self, judgement: &Judgement, rays: f32) {
         let variances = judgement.of_photons / (EVENNESS * judgement.of_camera);
         let times = (variances * judgement.rays / rays).sqrt();
         let times = if times.is_finite() { times.clamp(TIMES[0], TIMES[1]) } else { 1.0 };
@@ -387,6 +420,9 @@ impl Integrator for Auto {
         observer: &dyn Observer,
         arrived: &mut dyn FnMut(&[Arrival]),
     ) -> Exposure {
+        if let Some(alone) = &self.alone {
+            return alone.expose_in_parts(scene, film, pass, layers, observer, arrived);
+        }
         let scene = &*with(scene, &self.outlook, Scene::with_outlook);
         let scene = &*with(scene, &self.guide, Scene::guided);
         let (merging, max_bounces) = (self.merging(pass), self.settings.max_bounces);
@@ -400,8 +436,8 @@ impl Integrator for Auto {
 
     fn area(&self, pass: &Pass) -> Option<f64> {
         // What blurs media shrinks at another rate: two kinds of bias cannot be told by one.
-        let is_alone = self.pilot.volume.is_none();
-        is_alone.then(|| f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
+        let blurs_surfaces_alone = self.pilot.volume.is_none() && self.pilot.is_worth_it;
+        blurs_surfaces_alone.then(|| f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
     }
 
     fn name(&self) -> &'static str {

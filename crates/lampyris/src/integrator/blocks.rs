@@ -12,7 +12,7 @@ use crate::sampler::{Sampler, purpose};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
 use crate::spectrum::Spectrum;
-use crate::transport::{End, Limits, Origin, PathState, Visitor, walk};
+use crate::transport::{End, Limits, Origin, PathState, Visitor, Walked, walk};
 
 /// What becomes of a path from the camera.
 pub(super) trait Eye: Sync {
@@ -128,6 +128,26 @@ pub(super) fn emitted(scene: &Scene, pass: &Pass, index: u64) -> Option<(LightId
     Some((light, emission, sampler))
 }
 
+/// Follows light path `index` of a pass; returns the flux with which it began, and how it ended.
+pub(super) fn light_path<V: Visitor>(
+    scene: &Scene,
+    pass: &Pass,
+    index: u64,
+    max_bounces: u32,
+    visitor: &mut V,
+) -> Option<(Spectrum, Walked)> {
+    let (light, emission, mut sampler) = emitted(scene, pass, index)?;
+    visitor.emitted(index, light, &emission);
+    let path = PathState {
+        hidden_lamp: emission.is_hidden(),
+        inside: scene.inside_at(emission.ray.origin),
+        optical_length: scene.traveled(light).into(),
+        ..PathState::new(emission.ray, emission.flux)
+    };
+    let limits = Limits { max_bounces, roulette_from: 0 };
+    Some((emission.flux, walk(scene, path, Origin::Light, &limits, &mut sampler, visitor)))
+}
+
 /// Walks from the lamps: `paths` of them, each block of them told to a visitor that `new` makes. Returns the visitors in
 /// the order of the paths.
 pub(super) fn light_pass<V: Visitor + Send>(
@@ -138,24 +158,15 @@ pub(super) fn light_pass<V: Visitor + Send>(
     observer: &dyn Observer,
     new: impl Fn() -> V + Sync,
 ) -> Vec<V> {
-    let limits = Limits { max_bounces, roulette_from: 0 };
     let block = |range: Range<u64>| {
         let mut visitor = new();
         let light_paths = range.end - range.start;
         let mut work = Work { light_paths, share: light_paths as f64 / paths as f64, ..Work::default() };
         for index in range {
-            let Some((light, emission, mut sampler)) = emitted(scene, pass, index) else { continue };
-            visitor.emitted(index, light, &emission);
-            let path = PathState {
-                hidden_lamp: emission.is_hidden(),
-                inside: scene.inside_at(emission.ray.origin),
-                optical_length: scene.traveled(light).into(),
-                ..PathState::new(emission.ray, emission.flux)
-            };
-            let walked = walk(scene, path, Origin::Light, &limits, &mut sampler, &mut visitor);
+            let Some((flux, walked)) = light_path(scene, pass, index, max_bounces, &mut visitor) else { continue };
             work.rays += u64::from(walked.rays);
             let watts = |flux: Spectrum| f64::from(Spectrum::from_rgb(scene.basis().to_rgb(flux)).mean());
-            work.flux_emitted += watts(emission.flux) / paths as f64;
+            work.flux_emitted += watts(flux) / paths as f64;
             if walked.end == End::Cut {
                 work.flux_cut += watts(walked.path.throughput) / paths as f64;
             }

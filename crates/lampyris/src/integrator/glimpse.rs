@@ -12,7 +12,7 @@ use crate::transient::Met;
 use crate::transport::{Limits, Origin, PathState, Visitor, squared, walk};
 
 /// A glimpse from glass goes through so many of its boundaries: from within a pane and through another one.
-const BOUNDARIES: u32 = 4;
+pub(super) const BOUNDARIES: u32 = 4;
 
 /// What glimpses have seen of the way on which a path is.
 #[derive(Clone, Copy, Debug)]
@@ -32,14 +32,19 @@ impl Seen {
     }
 }
 
+/// Whether paths that choose here leave something to glimpses. Where there is no smooth lobe all events see a sky about
+/// alike, and the choice between them makes less noise than glimpses do.
+pub(super) fn leaves_to_glimpses(scene: &Scene, point: &SurfacePoint) -> bool {
+    let is_smooth = point.bsdf.lobes().meets(Lobes::SMOOTH);
+    point.may_glimpse() && (is_smooth || !scene.has_sky()) && scene.has_glimpses()
+}
+
 impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
-    /// Whether paths that choose here leave something to glimpses. Where there is no smooth lobe all events see a sky about
-    /// alike, and the choice between them makes less noise than glimpses do. Where paths merge with photons, these bring
-    /// after the first smooth surface what glimpses would.
+    /// Whether this path looks there. Where it merges with photons, these bring after the first smooth surface what glimpses
+    /// would.
     fn glimpses(&self, point: &SurfacePoint) -> bool {
-        let is_smooth = point.bsdf.lobes().meets(Lobes::SMOOTH);
         let is_early = self.smooth_events == 0 || !MERGES;
-        is_early && point.may_glimpse() && (is_smooth || !self.scene.has_sky()) && self.scene.has_glimpses()
+        is_early && leaves_to_glimpses(self.scene, point)
     }
 
     /// The same for a glossy lobe.

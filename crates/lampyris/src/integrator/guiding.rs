@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Pass;
+use super::alone::{Beginning, Place};
 use super::blocks::emitted;
 use super::look::Look;
-use super::merge::{Found, Merge, Merging};
+use super::merge::{Brought, Found, Merge, Merging};
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::Maps;
 use super::sharing::Sharing;
@@ -38,7 +39,7 @@ const FOCI: usize = 8;
 const DARK: f32 = 0.1;
 
 /// Two paths that differ by more than this do not count more: they are too rare for their number to be known.
-const MOST: f32 = 2.0;
+pub(super) const MOST: f32 = 2.0;
 
 /// See the module.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -150,6 +151,13 @@ pub(super) struct Judgement {
     pub of_camera: f32,
     /// Rays of a path from the camera.
     pub rays: f32,
+    /// Where it was looked.
+    pub places: Vec<Place>,
+}
+
+/// Of two values from one place, where this is one over the mean.
+pub(super) fn variance([a, b]: [f32; 2], unit: f32) -> f64 {
+    f64::from((0.5 * ((a - b) * unit).powi(2)).min(MOST))
 }
 
 /// Looks at the photons of a pass as the camera would.
@@ -166,9 +174,8 @@ pub(super) fn judge(
     let family = u64::from(pass.index);
     let group = |group: u64| {
         let mut found = Found::default();
-        let mut see = |pixel: Vec2, mut sampler: Sampler| {
-            let path = PathState::from_camera(scene, pixel, &mut sampler);
-            let (mut sink, mut tally) = (Plain::default(), Vec::new());
+        let mut see = |&(path, ref sampler): &Beginning| {
+            let (mut sink, mut tally, mut sampler) = (Plain::default(), Vec::new(), sampler.clone());
             let merge = Merge::new(&maps.surface, merging, &mut found).tallied(&mut tally);
             let volume = maps.volume.as_ref().map(|map| (map, sharing));
             let mut look = Look::merging(scene, limits.max_bounces, &mut sink, merge, volume);
@@ -178,37 +185,45 @@ pub(super) fn judge(
         // Twice from the same place: then what differs is the camera's.
         let pair = |pair: u64| {
             let pixel = Sampler::even(pass.seed, purpose::PILOT, family, pair).square() * size;
-            [2 * pair, 2 * pair + 1].map(|ray| see(pixel, Sampler::new(pass.seed, pass.index, purpose::CAMERA, ray)))
+            let begins = [2 * pair, 2 * pair + 1].map(|ray| {
+                let mut sampler = Sampler::new(pass.seed, pass.index, purpose::CAMERA, ray);
+                (PathState::from_camera(scene, pixel, &mut sampler), sampler)
+            });
+            let seen = [see(&begins[0]), see(&begins[1])];
+            (begins, seen)
         };
         (group * GROUP..(group + 1) * GROUP).map(pair).collect::<Vec<_>>()
     };
-    let pairs: Vec<[Seen; 2]> = (0..PAIRS / GROUP).into_par_iter().flat_map_iter(group).collect();
-    let all = || pairs.iter().flatten();
+    let pairs: Vec<([Beginning; 2], [Seen; 2])> = (0..PAIRS / GROUP).into_par_iter().flat_map_iter(group).collect();
+    let all = || pairs.iter().flat_map(|(_, seen)| seen);
     let mean = all().map(|seen| f64::from(seen.light)).sum::<f64>() / (2 * PAIRS) as f64;
     let mut worth = vec![Worth::default(); maps.surface.paths_emitted() as usize];
     let (mut brought_in_all, mut of_photons, mut of_camera) = (0.0, 0.0, 0.0);
-    for [a, b] in &pairs {
+    let rays = all().map(|seen| u64::from(seen.rays)).sum::<u64>() as f32 / (2 * PAIRS) as f32;
+    let mut places = Vec::with_capacity(pairs.len());
+    for (begins, [a, b]) in pairs {
         let unit = 1.0 / (0.5 * (a.light + b.light) + DARK * mean as f32);
-        of_camera += f64::from((0.5 * ((a.light - b.light) * unit).powi(2)).min(MOST));
-        for &(path, brought) in a.tally.iter().chain(&b.tally) {
-            let share = brought * unit;
-            let worth = &mut worth[path as usize];
+        of_camera += variance([a.light, b.light], unit);
+        let brought = [a.tally, b.tally].concat();
+        for photon in &brought {
+            let share = photon.light * unit;
+            let worth = &mut worth[photon.path as usize];
             worth.brought += share;
             worth.squares += share * share;
             brought_in_all += f64::from(share);
             of_photons += f64::from(share * share);
         }
+        places.push(Place { begins, unit, brought });
     }
-    let rays = all().map(|seen| u64::from(seen.rays)).sum::<u64>() as f32 / (2 * PAIRS) as f32;
     let [share, of_photons] = [brought_in_all, of_photons].map(|sum| (sum / (2 * PAIRS) as f64) as f32);
-    Judgement { worth, share, of_photons, of_camera: (of_camera / PAIRS as f64) as f32, rays }
+    Judgement { worth, share, of_photons, of_camera: (of_camera / PAIRS as f64) as f32, rays, places }
 }
 
 /// What one path from the camera saw.
 struct Seen {
     light: f32,
-    /// What each photon brought, by the number of its path.
-    tally: Vec<(u32, f32)>,
+    /// What each photon brought.
+    tally: Vec<Brought>,
     rays: u32,
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::glimpse::Seen;
-use super::merge::Merge;
+use super::merge::{Brought, Merge};
 use super::sharing::Sharing;
 use super::volume::MediumPhotons;
 use crate::film::Sink;
@@ -119,7 +119,7 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             let photons = MediumPhotons { map, max_bounces: self.max_bounces, sharing: Some(sharing) };
             photons.gather(segment, path, sampler, self.sink, |beam, light| {
                 if let Some(tally) = &mut tally {
-                    tally.push((beam.path, light.mean()));
+                    tally.push(Brought::in_a_medium(beam.path, light.mean()));
                 }
             });
         }

@@ -46,13 +46,31 @@ impl Merging {
 /// and these two have other radii.
 pub(super) type Found = [Nearest; 2];
 
+/// What a photon has brought to a path from the camera: means over all wavelengths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Brought {
+    /// The number of its light path, and how many events that had had.
+    pub path: u32,
+    pub bounce: u16,
+    pub light: f32,
+    /// What a path without photons would bring if it came to this light; it would come as much more rarely.
+    pub by_chance: f32,
+}
+
+impl Brought {
+    /// Paths that merge meet no particles by chance.
+    pub(super) fn in_a_medium(path: u32, light: f32) -> Brought {
+        Brought { path, bounce: 0, light, by_chance: f32::INFINITY }
+    }
+}
+
 /// A path from the camera that is merged with photons.
 pub(super) struct Merge<'a> {
     map: &'a PhotonMap,
     merging: Merging,
     found: &'a mut Found,
-    /// What photons have brought, by the numbers of their paths, for those who ask.
-    pub(super) tally: Option<&'a mut Vec<(u32, f32)>>,
+    /// What photons have brought, for those who ask.
+    pub(super) tally: Option<&'a mut Vec<Brought>>,
     /// What else could have made the path so far.
     pub(super) rivals: Rivals,
     /// The same without merging at the last smooth point, for lamps that shine on it directly.
@@ -63,18 +81,30 @@ pub(super) struct Merge<'a> {
     here: f32,
     /// The probability with which the path went on after its last event.
     pub(super) went_on: f32,
+    /// And after all events so far.
+    came: f32,
 }
 
 impl<'a> Merge<'a> {
     pub(super) fn new(map: &'a PhotonMap, merging: Merging, found: &'a mut Found) -> Merge<'a> {
         let nothing = Rivals::default();
-        let (first, here, went_on) = (true, 0.0, 1.0);
-        Merge { map, merging, found, tally: None, rivals: nothing, rivals_of_lamps: nothing, first, here, went_on }
+        let (first, here, went_on, came) = (true, 0.0, 1.0, 1.0);
+        Merge {
+            map,
+            merging,
+            found,
+            tally: None,
+            rivals: nothing,
+            rivals_of_lamps: nothing,
+            first,
+            here,
+            went_on,
+            came,
+        }
     }
 
-    /// The same, which writes down what each photon brings: the mean of its radiance over all wavelengths, with the number
-    /// of its path.
-    pub(super) fn tallied(self, tally: &'a mut Vec<(u32, f32)>) -> Merge<'a> {
+    /// The same, which writes down what each photon brings.
+    pub(super) fn tallied(self, tally: &'a mut Vec<Brought>) -> Merge<'a> {
         Merge { tally: Some(tally), ..self }
     }
 
@@ -87,6 +117,7 @@ impl<'a> Merge<'a> {
     pub(super) fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, smooth: bool) -> f32 {
         let at = self.rivals.at(point);
         self.went_on = if smooth { self.goes_on() } else { 1.0 };
+        self.came *= self.went_on;
         let back = if smooth && at > 0.0 { at * point.pdf_back(scattered.to_next, Lobes::ALL) } else { 0.0 };
         let after = |smooth| Rivals::after(at, smooth, self.went_on, point, scattered);
         (self.rivals, self.rivals_of_lamps) = (after(norm([back, self.here])), after(back));
@@ -123,41 +154,56 @@ impl<'a> Merge<'a> {
         let counts = |photon: &Photon| u32::from(photon.bounce) <= max_bounces;
         if point.is_lambertian() {
             // The same as below, for the most frequent case.
-            let nearer = 1.0 + squared(at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon));
+            let nearer = at * point.cos(point.to_previous) * (FRAC_1_PI * per_photon);
             let farther = on * FRAC_1_PI * per_photon;
-            self.sum(&estimate, (point, path, radius), sink, |photon| {
-                let others = nearer + squared(farther * photon.rivals * point.cos(photon.direction));
-                sets(photon, counts(photon), others)
+            self.sum(&estimate, (point, path, radius), sink, counts, |photon| {
+                [nearer, farther * photon.rivals * point.cos(photon.direction)]
             })
         } else {
-            self.sum(&estimate, (point, path, radius), sink, |photon| {
+            self.sum(&estimate, (point, path, radius), sink, counts, |photon| {
                 let to_light = -photon.direction;
                 let nearer = if at > 0.0 { at * point.pdf_back(to_light, Lobes::ALL) } else { 0.0 };
                 let farther = on * photon.rivals * point.pdf(to_light, Lobes::ALL);
-                sets(photon, counts(photon), 1.0 + squared(nearer * per_photon) + squared(farther * per_photon))
+                [nearer * per_photon, farther * per_photon]
             })
         }
     }
 
-    /// The light of the photons that were found within a radius, in sets, and its unit in the sink.
+    /// The light of the photons that were found within a radius and that count, in sets, and its unit in the sink. `rivals`
+    /// tells of a photon how dense the other ways to make its path are over that of merging here: those that merge nearer to
+    /// the eye, and those that go on from here.
     fn sum<const SETS: usize, S: Sink>(
         &mut self,
         estimate: &Estimate,
         (point, path, radius): (&SurfacePoint, &PathState, f32),
         sink: &mut S,
-        sets: impl Fn(&Photon) -> [f32; SETS],
+        counts: impl Fn(&Photon) -> bool,
+        rivals: impl Fn(&Photon) -> [f32; 2],
     ) -> ([Spectrum; SETS], Spectrum) {
+        let on = self.goes_on();
         let found = &mut self.found[usize::from(!self.first)];
+        let sets = |photon: &Photon| {
+            let weight = if counts(photon) { weight(rivals(photon)) } else { 0.0 };
+            std::array::from_fn(|set| if set == 0 || photon.is_caustic() { weight } else { 0.0 })
+        };
         let Some(tally) = &mut self.tally else {
             return estimate
                 .weighted(point, radius, found, sets, |photon, light| note(sink, photon, light, point, path));
         };
         let mut light_of = Vec::new();
         let (sums, unit) = estimate.weighted(point, radius, found, sets, |photon, light| {
-            light_of.push((photon.path, light));
+            let rivals = rivals(photon);
+            light_of.push((photon.path, photon.bounce, light, weight(rivals) * rivals[1]));
         });
         let seen = unit * path.throughput;
-        tally.extend(light_of.into_iter().map(|(number, light)| (number, (light * seen).mean())));
+        // Of merging as it is, where the mean square of the kernel is that of 3/4 of its disk, over what it counts in weights;
+        // and a path without photons always comes here and goes on.
+        let disk = 0.75 * PI * radius * radius;
+        let density = disk * self.merging.paths as f32 / self.here * (self.came * on);
+        tally.extend(light_of.into_iter().map(|(path, bounce, light, of_paths)| {
+            let light = (light * seen).mean();
+            Brought { path, bounce, light, by_chance: light * density / of_paths }
+        }));
         (sums, unit)
     }
 }
@@ -177,10 +223,8 @@ pub(super) fn note<S: Sink>(sink: &mut S, photon: &Photon, light: Spectrum, poin
     }
 }
 
-/// The weights of a photon that counts, where `others` is the density of all ways to make its path over that of merging:
-/// in all light, and in caustics.
+/// The weight of merging, where the densities of all other ways to make the path, over its own, are these.
 #[inline]
-fn sets<const SETS: usize>(photon: &Photon, counts: bool, others: f32) -> [f32; SETS] {
-    let weight = if counts { 1.0 / others } else { 0.0 };
-    std::array::from_fn(|set| if set == 0 || photon.is_caustic() { weight } else { 0.0 })
+fn weight([nearer, farther]: [f32; 2]) -> f32 {
+    1.0 / (1.0 + squared(nearer) + squared(farther))
 }

@@ -1,5 +1,6 @@
 //! Integrators: each is its first rays and its visitor.
 
+mod alone;
 mod auto;
 mod blocks;
 mod dots;

@@ -41,8 +41,13 @@ impl PathTracing {
         observer: &dyn Observer,
     ) -> PathTracing {
         let learned = settings.guiding.then(|| survey(scene, film, settings.max_bounces, seed, observer));
-        let pilot = Pilot { seen: learned.flatten() };
-        PathTracing { settings, outlook: pilot.seen.as_ref().and_then(|seen| outlook(scene, seen)), pilot }
+        PathTracing::seeing(scene, settings, learned.flatten())
+    }
+
+    /// With what was learned of the lights, if that is worth anything.
+    pub(super) fn seeing(scene: &Scene, settings: PathSettings, seen: Option<Sightings>) -> PathTracing {
+        let outlook = seen.as_ref().and_then(|seen| outlook(scene, seen));
+        PathTracing { settings, outlook, pilot: Pilot { seen } }
     }
 
     /// With what a pilot has learned before.

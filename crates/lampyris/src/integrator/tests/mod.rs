@@ -8,6 +8,7 @@
 //! density is by how much a cone of directions becomes wider there: 1 on the way from the eye, by convention, and
 //! n² cos / n'² cos' on the way back, by which the law of refraction keeps n² cos dω.
 
+mod alone;
 mod chain;
 mod neighbours;
 mod paths;

@@ -85,7 +85,8 @@ const DEFAULT_MAX_BOUNCES: u32 = 256;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct AutoSettings {
-    /// Light paths a pass; by default chosen by what they are worth, 1/8 to 4 times half as many as the picture has pixels.
+    /// Light paths a pass; by default chosen by what they are worth, none or 1/8 to 4 times half as many as the picture has
+    /// pixels.
     pub photons: Option<u32>,
     /// Camera samples per pixel and pass (default 1).
     pub samples: u32,
