@@ -50,7 +50,7 @@ fn from_a_near_plane_on_the_way_to_the_eye_counts() {
         for way in [
             "integrator=path max-bounces=1",
             "integrator=light photons=20000 max-bounces=1",
-            "integrator=auto max-bounces=1",
+            "integrator=auto photons=100 max-bounces=1",
         ] {
             let lit = lit(&scene(near, extra), &(way.to_string() + &bins(80, 0.0, 0.1)));
             let found = lit_bins(&lit.film(8, Layers::NONE));

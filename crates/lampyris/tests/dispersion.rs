@@ -250,7 +250,7 @@ fn glass_in_a_furnace_is_invisible() {
         )
     };
     let photon_map = "integrator=photon-map photons=100 bandwidth=fixed radius=0.3 samples=8";
-    for way in ["integrator=path samples=8", "integrator=auto samples=8", photon_map] {
+    for way in ["integrator=path samples=8", "integrator=auto photons=1000 samples=8", photon_map] {
         let means = rounds(&lit(&scene(""), &format!("{way} max_bounces=200")), 16);
         for (values, expected) in means.iter().zip([1.0, 2.0, 0.5]) {
             assert_mean(way, values, expected, 0.002 * expected, 0.06);
@@ -285,7 +285,7 @@ fn room(extra: &str, max_bounces: u32, wall: &str) -> String {
 
 const WAYS: [&str; 4] = [
     "integrator=path samples=8",
-    "integrator=auto samples=4",
+    "integrator=auto photons=4000 samples=4",
     "integrator=light photons=4000",
     "integrator=photon-map photons=4000 bandwidth=fixed radius=0.1 samples=2",
 ];

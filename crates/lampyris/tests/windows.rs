@@ -75,7 +75,7 @@ fn assert_worth_while(name: &str, lights: &str, least: f64) {
     let even = passes("integrator=path samples=16 guiding=false");
     let guided = passes("integrator=path samples=16 seed=1");
     let light = passes("integrator=light photons=32768 seed=2");
-    let auto = passes("integrator=auto samples=16 seed=3");
+    let auto = passes("integrator=auto photons=16384 samples=16 seed=3");
     assert_same_mean(&format!("{name}, guided"), &means(&even), &means(&guided), 3, 0.0);
     assert_same_mean(&format!("{name}, light"), &means(&light), &means(&guided), 3, 0.0);
     assert_same_mean(&format!("{name}, auto"), &means(&auto), &means(&guided), 3, 0.005);
