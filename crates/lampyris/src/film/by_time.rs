@@ -103,7 +103,7 @@ impl Film {
             let outside = self.outside_bins(pixel)?;
             sums.iter_mut().zip(outside).for_each(|(sum, light)| *sum += luminance_of(light));
         }
-        let all = self.means().0 * (self.width * self.height) as f64;
+        let all = self.mean_luminance() * (self.width * self.height) as f64;
         (all > 0.0).then(|| sums.map(|sum| sum / all))
     }
 }

@@ -61,37 +61,43 @@ impl Film {
         (mean, squares * n / (weight * weight * (n - 1.0)))
     }
 
-    /// The standard error of the picture's luminance, as the root of the mean over pixels of its square, relative to
-    /// the mean luminance (theory §6); from the differences between passes, so none before the second. It does not know
-    /// of bias.
+    /// The relative standard error of the picture's luminance (theory §6), as the root of the mean over pixels of its square;
+    /// from the differences between passes, so none before the second. It does not know of bias.
+    ///
+    /// Each pixel's error is over its own luminance or, where that is darker, over the [typical](Film::typical) one.
     pub fn relative_error(&self) -> Option<f64> {
-        if self.passes < 2 {
-            return None;
-        }
-        let (mean, variance) = self.means();
-        (mean > 0.0).then(|| variance.sqrt() / mean)
+        let typical = self.typical();
+        let square = |pixel: usize| {
+            let (luminance, variance) = self.luminance(pixel);
+            variance / luminance.max(typical).powi(2)
+        };
+        (self.passes >= 2 && typical > 0.0).then(|| self.mean_over(square).sqrt())
     }
 
-    /// The bias of the picture's luminance, relative to the mean luminance, of passes with [a known area](super::Exposure::area);
-    /// none before some sixteen passes.
+    /// The relative bias of the picture's luminance, each pixel's as in [`Film::relative_error`], of passes with
+    /// [a known area](super::Exposure::area); none before some sixteen passes.
     pub fn bias(&self) -> Option<Bias> {
         let sums = self.bias.as_ref()?;
-        let (mean, _) = self.means();
-        sums.estimate(mean)
+        sums.estimate(self.typical())
     }
 
-    /// The means over the picture of luminance, and of its variance, which takes two passes.
-    pub(super) fn means(&self) -> (f64, f64) {
-        let add = |(mean, variance): (f64, f64), (more, of_more): (f64, f64)| (mean + more, variance + of_more);
+    /// The luminance of a typical pixel: the square of the mean root, which a lamp in a few pixels hardly changes, however
+    /// bright it is.
+    fn typical(&self) -> f64 {
+        self.mean_over(|pixel| luminance_of(self.mean(pixel)).max(0.0).sqrt()).powi(2)
+    }
+
+    /// The mean of something over the picture.
+    pub(super) fn mean_over(&self, of: impl Fn(usize) -> f64 + Sync) -> f64 {
         let pixels = self.width * self.height;
-        let chunks: Vec<(f64, f64)> = (0..pixels.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| (chunk * CHUNK..pixels.min((chunk + 1) * CHUNK)).map(|pixel| self.luminance(pixel)))
-            .map(|chunk| chunk.fold((0.0, 0.0), add))
-            .collect();
-        let (mean, variance) = chunks.into_iter().fold((0.0, 0.0), add);
-        let pixels = pixels as f64;
-        (mean / pixels, variance / pixels)
+        let chunk = |chunk: usize| (chunk * CHUNK..pixels.min((chunk + 1) * CHUNK)).map(&of).sum();
+        let chunks: Vec<f64> = (0..pixels.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
+        chunks.into_iter().sum::<f64>() / pixels as f64
+    }
+
+    /// The mean luminance of the picture.
+    pub(super) fn mean_luminance(&self) -> f64 {
+        self.mean_over(|pixel| luminance_of(self.mean(pixel)))
     }
 }
 
@@ -131,5 +137,28 @@ mod tests {
         let expected = ((0.75_f64.powi(2) + 0.75_f64.powi(2)) / 2.0).sqrt() / 2.5;
         assert!((uneven.relative_error().expect("two passes") - expected).abs() < 1e-6);
         assert!(film(&[(2.0, 0.4), (2.0, 1.2), (2.0, 0.7)]).relative_error().expect("passes") < 1e-6);
+    }
+
+    /// Nor does it hide the errors of all others behind its own light.
+    #[test]
+    fn a_lamp_that_is_seen_by_chance_counts_no_more_than_its_pixel() {
+        let error = |lamp: f32| {
+            let mut film = Film::new([100, 100]);
+            for pass in 0..10_u8 {
+                let value = |pixel: usize| match (pixel, pass) {
+                    (0, 0) => lamp,
+                    _ => 1.0 + 0.1 * f32::from((pass + pixel as u8 % 2) % 2),
+                };
+                let pixels = (0..10_000).map(|pixel| [value(pixel); 3]).collect();
+                film.add_pass(&Image::from_pixels(100, 100, pixels).expect("pixels").into());
+            }
+            film.relative_error().expect("passes")
+        };
+        let without = 0.05 / 9_f64.sqrt() / 1.05;
+        assert!((error(1.0) / without - 1.0).abs() < 1e-3);
+        // One pixel of 10,000 is wholly unknown.
+        for lamp in [1e3, 1e5] {
+            assert!((error(lamp) / without.hypot(0.01) - 1.0).abs() < 0.02, "{}", error(lamp));
+        }
     }
 }
