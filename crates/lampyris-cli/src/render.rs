@@ -248,6 +248,9 @@ impl Job<'_> {
         let passes = plural(render.film().passes() as usize, "pass");
         let bias = render.film().bias().map_or_else(String::new, |found| format!(", {}", bias(&found)));
         progress.say(&format!("{passes} in {}; {}{bias}", time(seconds), progress.speed(error)));
+        if let Some(remark) = render.integrator().remark() {
+            progress.say(remark);
+        }
         if let Some([before, after]) = render.film().share_outside_bins() {
             let shares = [before, after].map(percent);
             progress.say(&format!(

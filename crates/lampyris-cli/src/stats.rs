@@ -45,7 +45,7 @@ pub struct Stats {
     photons: u64,
     photons_per_second: f64,
     flux: Flux,
-    /// Standard error of the picture's luminance relative to its mean; null after one pass. It does not know of bias.
+    /// Relative standard error of the picture's luminance; null after one pass. It does not know of bias.
     relative_error: Option<f64>,
     /// Null where the radius does not shrink, and of too few passes.
     bias: Option<BiasNumbers>,

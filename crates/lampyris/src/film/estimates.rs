@@ -64,7 +64,8 @@ impl Film {
     /// The relative standard error of the picture's luminance (theory §6), as the root of the mean over pixels of its square;
     /// from the differences between passes, so none before the second. It does not know of bias.
     ///
-    /// Each pixel's error is over its own luminance or, where that is darker, over the [typical](Film::typical) one.
+    /// Each pixel's error is over its own luminance or, where that is darker, over that of a typical one: the square of
+    /// the mean root.
     pub fn relative_error(&self) -> Option<f64> {
         let typical = self.typical();
         let square = |pixel: usize| {

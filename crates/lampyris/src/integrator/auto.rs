@@ -132,7 +132,7 @@ impl Auto {
     ///
     /// # Errors
     /// If it is no such thing, or not about such a scene.
-    pub fn resumed(scene: &Scene, settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
+    pub(super) fn resumed(scene: &Scene, settings: AutoSettings, pilot: &[u8]) -> Result<Auto> {
         let pilot: Pilot = pilot::read(pilot)?;
         if !pilot.is_fit(scene, &settings) {
             return Err(pilot::unfit());
@@ -438,6 +438,10 @@ impl Integrator for Auto {
         // What blurs media shrinks at another rate: two kinds of bias cannot be told by one.
         let blurs_surfaces_alone = self.pilot.volume.is_none() && self.pilot.is_worth_it;
         blurs_surfaces_alone.then(|| f64::from(shrunk::<2>(pass.index, self.settings.alpha)).powi(2))
+    }
+
+    fn remark(&self) -> Option<&'static str> {
+        self.alone.as_ref().map(|_| "auto left no photons, as here they are not worth their price")
     }
 
     fn name(&self) -> &'static str {

@@ -80,6 +80,11 @@ pub trait Integrator: Send + Sync {
         None
     }
 
+    /// What it found out before the first pass and a user may wonder about, as part of a sentence.
+    fn remark(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Its name on the command line.
     fn name(&self) -> &'static str;
 

@@ -104,7 +104,7 @@ fn they_know_that_glimpses_see_it_in_a_pane_that_mirrors_little() {
     assert_told(&lit_from_above("glass"), 100.0);
 }
 
-/// The picture of a pass of `auto` with these settings, and whether it is that of `path`.
+/// Whether a pass of `auto` with these settings is that of `path`, which it must tell.
 fn is_that_of_path(text: &str, settings: AutoSettings) -> bool {
     let (description, scene) = built(text);
     let film = &description.film;
@@ -113,9 +113,11 @@ fn is_that_of_path(text: &str, settings: AutoSettings) -> bool {
         IntegratorDescription::Auto(settings),
         IntegratorDescription::Path(PathSettings { max_bounces: 256, ..PathSettings::default() }),
     ]
-    .map(|description| integrator(&scene, film, &description, 1, &Silent))
-    .map(|integrator| integrator.expose(&scene, film, &pass, Layers::NONE, &Silent).image);
-    auto == path
+    .map(|description| integrator(&scene, film, &description, 1, &Silent));
+    let [is, of_path] = [&auto, &path].map(|each| each.expose(&scene, film, &pass, Layers::NONE, &Silent).image);
+    let is_that = is == of_path;
+    assert_eq!((auto.remark().is_some(), path.remark()), (is_that, None));
+    is_that
 }
 
 #[test]
