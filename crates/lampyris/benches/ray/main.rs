@@ -24,6 +24,9 @@ use lampyris::sampler::Sampler;
 
 const RAYS: usize = 300_000;
 
+/// Distances are computed from coordinates of up to 1.5, in single precision.
+const ROUNDING: f64 = 1e-6;
+
 /// Something that finds triangles.
 trait Tracer {
     fn name(&self) -> &'static str;
@@ -66,7 +69,7 @@ fn main() {
         tracers.extend(embree(&mesh));
         compare("closest", rounds, &tracers, |tracer| count(&rays, |ray| tracer.closest(ray).is_some()));
         compare("blocked", rounds, &tracers, |tracer| count(&rays, |ray| tracer.blocked(ray, 1.0)));
-        differences(&rays, &tracers);
+        differences(&rays, &mesh, &tracers);
     }
 }
 
@@ -159,17 +162,42 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Counts the rays for which the tracers disagree.
-fn differences(rays: &[Ray], tracers: &[Box<dyn Tracer>]) {
+/// Counts the rays for which the tracers disagree, and who is right.
+fn differences(rays: &[Ray], mesh: &MeshData, tracers: &[Box<dyn Tracer>]) {
     let own = &tracers[0];
+    let same = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (None, None) => true,
+        (Some(a), Some(b)) => (a - b).abs() <= 1e-4 * a.max(b) + ROUNDING,
+        _ => false,
+    };
     for other in &tracers[1..] {
-        let differ = count(rays, |ray| match (own.closest(ray), other.closest(ray)) {
-            (None, None) => false,
-            (Some(a), Some(b)) => (a - b).abs() > 1e-4 * a.max(b),
-            _ => true,
-        });
-        println!("  {differ} of {RAYS} rays meet something else in {} than in {}", own.name(), other.name());
+        let (mut differ, mut right) = (0, [0, 0]);
+        for ray in rays {
+            let found = [own, other].map(|tracer| tracer.closest(ray).map(f64::from));
+            if !same(found[0], found[1]) {
+                let exact = exact(mesh, ray);
+                differ += 1;
+                right.iter_mut().zip(found).for_each(|(right, found)| *right += u32::from(same(found, exact)));
+            }
+        }
+        let [name, other] = [own, other].map(|tracer| tracer.name());
+        println!("  {differ} of {RAYS} rays meet something else in {name} than in {other}: by all triangles in");
+        println!("    double precision {name} is right for {}, {other} for {}", right[0], right[1]);
     }
+}
+
+/// Distance to the nearest of all triangles [Möller & Trumbore 1997].
+fn exact(mesh: &MeshData, ray: &Ray) -> Option<f64> {
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let distance = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|corner| Vec3::from_array(mesh.positions[corner as usize]).as_dvec3());
+        let (e1, e2, from) = (b - a, c - a, origin - a);
+        let across = direction.cross(e2);
+        let (scale, turned) = (1.0 / e1.dot(across), from.cross(e1));
+        let (u, v, distance) = (from.dot(across) * scale, direction.dot(turned) * scale, e2.dot(turned) * scale);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some(distance)
+    };
+    mesh.triangles.iter().filter_map(distance).min_by(f64::total_cmp)
 }
 
 /// The processor time of this thread, so that other programs do not count.
