@@ -51,6 +51,15 @@ pub trait Sink: Clone + Send + Sync {
     /// Takes this share of all that was left at another one, which has [settled](Sink::settle).
     fn take(&mut self, other: &Self, share: f32);
 
+    /// One like this, without light, for light that only others [borrow](Sink::borrow).
+    fn apart(&self) -> Self {
+        self.clone()
+    }
+
+    /// Adds all light of one that is [apart](Sink::apart), so much of each lane, on paths that are longer by this optical
+    /// length, in scene units.
+    fn borrow(&mut self, other: &Self, share: Spectrum, longer: f64);
+
     /// The sum of what was added, in the lanes of the pass.
     fn radiance(&self) -> Spectrum;
 
@@ -85,6 +94,11 @@ impl Sink for Plain {
 
     #[inline]
     fn take(&mut self, other: &Plain, share: f32) {
+        self.0 += other.0 * share;
+    }
+
+    #[inline]
+    fn borrow(&mut self, other: &Plain, share: Spectrum, _: f64) {
         self.0 += other.0 * share;
     }
 
@@ -170,6 +184,13 @@ impl Sink for Layered {
         self.position += other.position * share;
         self.depth += other.depth * share;
         self.met += other.met * share;
+    }
+
+    fn borrow(&mut self, other: &Layered, share: Spectrum, _: f64) {
+        self.radiance += other.radiance * share;
+        self.emission += other.emission * share;
+        self.direct += other.direct * share;
+        self.caustic += other.caustic * share;
     }
 
     fn radiance(&self) -> Spectrum {

@@ -19,6 +19,8 @@ pub struct Timed<'c> {
     settled: usize,
     /// Noted, but not yet added, with what it met, by optical length.
     noted: Vec<(f64, Met, Spectrum)>,
+    /// Whether its light is only there for others: no time is known before these have it.
+    is_apart: bool,
 }
 
 impl Timed<'_> {
@@ -32,6 +34,16 @@ impl Timed<'_> {
             arrivals: Vec::new(),
             settled: 0,
             noted: Vec::new(),
+            is_apart: false,
+        }
+    }
+
+    /// Notes what is added, until others borrow it or at once.
+    fn keep(&mut self, light: Spectrum, met: Met, optical_length: f64) {
+        if self.is_apart {
+            self.note(light, met, optical_length);
+        } else {
+            self.arrive(light, met, optical_length);
         }
     }
 
@@ -135,7 +147,7 @@ impl Sink for Timed<'_> {
 
     fn add(&mut self, light: Spectrum, met: Met, optical_length: f64) {
         self.layered.add(light, met, optical_length);
-        self.arrive(light, met, optical_length);
+        self.keep(light, met, optical_length);
     }
 
     fn note(&mut self, light: Spectrum, met: Met, optical_length: f64) {
@@ -147,6 +159,17 @@ impl Sink for Timed<'_> {
         let mut noted = std::mem::take(&mut self.noted);
         noted.drain(..).for_each(|(optical_length, met, light)| self.arrive(light * unit, met, optical_length));
         self.noted = noted;
+    }
+
+    fn apart(&self) -> Self {
+        Timed { is_apart: true, ..self.clone() }
+    }
+
+    fn borrow(&mut self, other: &Self, share: Spectrum, longer: f64) {
+        self.layered.borrow(&other.layered, share, longer);
+        for &(optical_length, met, light) in &other.noted {
+            self.keep(light * share, met, optical_length + longer);
+        }
     }
 
     fn was_direct(&mut self, light: Spectrum) {

@@ -43,6 +43,13 @@ impl Cone {
         Cone { width: self.width + self.spread * distance, ..self }
     }
 
+    /// The same cone from `distance` before; see [`Cone::after`].
+    #[inline]
+    #[must_use]
+    pub fn before(self, distance: f32) -> Cone {
+        self.after(-distance)
+    }
+
     /// The cone after a choice among many directions: at least as wide as [`Cone::WIDE`].
     #[inline]
     #[must_use]

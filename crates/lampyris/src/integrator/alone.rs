@@ -13,10 +13,12 @@ use super::guiding::{MOST, variance};
 use super::look::Look;
 use super::merge::Brought;
 use super::path::CAMERA_ROULETTE_FROM;
-use crate::film::{Plain, Sink};
+use super::reuse::Group;
+use crate::film::Plain;
 use crate::material::{Event, Lobes, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, SurfacePoint};
+use crate::spectrum::Spectrum;
 use crate::transport::{Limits, Origin, PathState, Visitor, walk};
 
 /// What paths without photons do for the camera.
@@ -27,6 +29,12 @@ pub(super) struct Alone {
     /// Rays of a path.
     pub rays: f32,
 }
+
+/// So many times less variance is left of light that paths lend each other; measured.
+const LENT: f64 = 6.0;
+
+/// To lend takes so many rays' time of a path; measured.
+const LENDING: f32 = 1.5;
 
 /// How a path from the camera begins: its first ray, and the numbers that it has.
 pub(super) type Beginning = (PathState, Sampler);
@@ -43,24 +51,26 @@ pub(super) struct Place {
 }
 
 /// Looks at the same places without photons.
-pub(super) fn alone(scene: &Scene, pass: &Pass, max_bounces: u32, places: &[Place]) -> Alone {
+pub(super) fn alone(scene: &Scene, pass: &Pass, max_bounces: u32, reuse: bool, places: &[Place]) -> Alone {
     let limits = Limits { max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
     let see = |(path, sampler): &Beginning| {
-        let (mut sink, mut sampler) = (Plain::default(), sampler.clone());
-        let mut look = Look::alone(scene, max_bounces, &mut sink);
+        let (mut group, mut sampler) = (Group::new(&Plain::default(), 1), sampler.clone());
+        let (sink, lending) = group.next();
+        let mut look = Look::alone(scene, max_bounces, sink).lending(reuse.then_some(lending));
         let rays = walk(scene, *path, Origin::Camera, &limits, &mut sampler, &mut look).rays;
-        (sink.radiance().mean(), rays)
+        (group.kept_and_lent().map(Spectrum::mean), rays)
     };
     let look = |place: &Place| {
-        let [(a, rays), (b, more)] = [see(&place.begins[0]), see(&place.begins[1])];
-        (variance([a, b], place.unit), rays + more)
+        let [([a, lent_a], rays), ([b, lent_b], more)] = [see(&place.begins[0]), see(&place.begins[1])];
+        (variance([a, b], place.unit) + variance([lent_a, lent_b], place.unit) / LENT, rays + more)
     };
     let seen: Vec<(f64, u32)> = places.par_iter().map(look).collect();
     let number = places.len() as f64;
     let variance = seen.iter().map(|(variance, _)| variance).sum::<f64>() / number;
     let rays = seen.iter().map(|&(_, rays)| f64::from(rays)).sum::<f64>() / (2.0 * number);
-    let rare = rare(scene, pass, max_bounces, places) / (2.0 * number);
-    Alone { variance: (variance + rare) as f32, rays: rays as f32 }
+    let rare = rare(scene, pass, max_bounces, reuse, places) / (2.0 * number);
+    let rays = rays as f32 + if reuse { LENDING } else { 0.0 };
+    Alone { variance: (variance + rare) as f32, rays }
 }
 
 /// Light that a path would have come to by chance, in the unit of its place.
@@ -73,7 +83,7 @@ struct Rare {
 }
 
 /// The second moment, over all places, of light that is so bright and rare that [`variance`] is cut where it is seen.
-pub(super) fn rare(scene: &Scene, pass: &Pass, max_bounces: u32, places: &[Place]) -> f64 {
+pub(super) fn rare(scene: &Scene, pass: &Pass, max_bounces: u32, reuse: bool, places: &[Place]) -> f64 {
     let bright = (2.0 * MOST).sqrt();
     let of_place = |place: &Place| {
         let unit = place.unit;
@@ -89,9 +99,13 @@ pub(super) fn rare(scene: &Scene, pass: &Pass, max_bounces: u32, places: &[Place
         let mut choices = Choices::new(scene);
         light_path(scene, pass, lights[0].path.into(), max_bounces, &mut choices);
         let excess = |rare: &Rare| {
-            let by_chance = rare.by_chance * choices.before.get(usize::from(rare.bounce)).copied().unwrap_or(1.0);
+            let before = choices.before.get(usize::from(rare.bounce));
+            let Before { probability, is_smooth } =
+                before.copied().unwrap_or(Before { probability: 1.0, is_smooth: false });
+            let by_chance = rare.by_chance * probability;
             // As many times as bright, and as much rarer; less what is seen of it.
-            f64::from(rare.brought * (by_chance - bright * bright / by_chance).max(0.0))
+            let excess = f64::from(rare.brought * (by_chance - bright * bright / by_chance).max(0.0));
+            if reuse && is_smooth { excess / LENT } else { excess }
         };
         lights.iter().map(excess).sum::<f64>()
     };
@@ -104,31 +118,42 @@ pub(super) fn rare(scene: &Scene, pass: &Pass, max_bounces: u32, places: &[Place
 /// back from there to the lamp.
 struct Choices<'s> {
     scene: &'s Scene,
-    /// The probability of these choices, by the number of events.
-    before: Vec<f32>,
-    probability: f32,
+    /// By the number of events.
+    before: Vec<Before>,
+    now: Before,
     /// Through so many boundaries more a glimpse would go on.
     boundaries: u32,
 }
 
+/// What came before a vertex.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    /// Of the choices that glimpses would have made needless.
+    probability: f32,
+    /// Whether the last event was: light from there is lent.
+    is_smooth: bool,
+}
+
 impl<'s> Choices<'s> {
     fn new(scene: &'s Scene) -> Choices<'s> {
-        Choices { scene, before: Vec::new(), probability: 1.0, boundaries: BOUNDARIES + 1 }
+        let now = Before { probability: 1.0, is_smooth: false };
+        Choices { scene, before: Vec::new(), now, boundaries: BOUNDARIES + 1 }
     }
 }
 
 impl Visitor for Choices<'_> {
     fn vertex(&mut self, _: &SurfacePoint, path: &PathState, _: &mut Sampler) -> Lobes {
-        self.before.resize(path.bounce as usize + 1, self.probability);
+        self.before.resize(path.bounce as usize + 1, self.now);
         Lobes::ALL
     }
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, _: &PathState) {
-        if Lobes::SMOOTH.contains(scattered.event) {
+        self.now.is_smooth = Lobes::SMOOTH.contains(scattered.event);
+        if self.now.is_smooth {
             // Beyond, it is no lamp that shines.
-            (self.probability, self.boundaries) = (1.0, 0);
+            (self.now.probability, self.boundaries) = (1.0, 0);
         } else if self.boundaries > 0 && leaves_to_glimpses(self.scene, point) {
-            self.probability *= scattered.pdf;
+            self.now.probability *= scattered.pdf;
             let goes_on = scattered.event == Event::Refraction && point.is_clear();
             self.boundaries = if goes_on { self.boundaries - 1 } else { 0 };
         }

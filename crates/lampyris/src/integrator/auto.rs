@@ -15,6 +15,8 @@ use super::look::Look;
 use super::merge::{Found, Merge, Merging};
 use super::path::{CAMERA_ROULETTE_FROM, PathTracing};
 use super::photons::{Maps, Photons};
+use super::reuse;
+use super::reuse::Lending;
 use super::sharing::Sharing;
 use super::survey::{outlook, survey};
 use super::volume::{VolumeEstimate, Wishes};
@@ -100,7 +102,7 @@ const ENOUGH_BEAMS: f64 = 16_384.0;
 /// Photons are left where they make variance times price so many times less, as the pilot judges. It flatters them: its unit of
 /// light at a place has its own photons in it, a film's paths are more even than its photons, and of these there are fewer at
 /// a point as radii shrink; measured.
-const LEAST_WORTH: f32 = 1.6;
+const LEAST_WORTH: f32 = 2.0;
 
 /// To look for photons around the points of a path from the camera and to weigh them takes so many rays' time; measured.
 const SEARCHES: f32 = 0.2;
@@ -122,8 +124,8 @@ impl Auto {
     }
 
     fn with(scene: &Scene, settings: AutoSettings, pilot: Pilot) -> Auto {
-        let AutoSettings { samples, max_bounces, guiding, .. } = settings;
-        let of_paths = PathSettings { samples, max_bounces, guiding };
+        let AutoSettings { samples, max_bounces, guiding, reuse, .. } = settings;
+        let of_paths = PathSettings { samples, max_bounces, guiding, reuse };
         let alone = (!pilot.is_worth_it).then(|| PathTracing::seeing(scene, of_paths, pilot.seen.clone()));
         Auto { settings, guide: pilot.guide(), outlook: pilot.outlook(scene), alone, pilot }
     }
@@ -164,6 +166,7 @@ impl Eye for Merged {
         sampler: &mut Sampler,
         found: &mut Found,
         sink: &mut S,
+        _: Option<Lending<S>>,
     ) -> u32 {
         let merge = Merge::new(&self.maps.surface, self.merging, found);
         let volume = self.maps.volume.as_ref().map(|map| (map, self.sharing));
@@ -224,7 +227,8 @@ impl Pilot {
                     let of_light = rays * pilot.paths as f32 / (pixels * settings.samples as f32);
                     let price = judgement.rays + SEARCHES + of_light;
                     let merged = (EVENNESS * judgement.of_camera + judgement.of_photons / times) * price;
-                    let alone = alone(scene, &pass, settings.max_bounces, &judgement.places);
+                    let reuse = settings.reuse && reuse::is_possible(scene);
+                    let alone = alone(scene, &pass, settings.max_bounces, reuse, &judgement.places);
                     pilot.is_worth_it = EVENNESS * alone.variance * alone.rays >= LEAST_WORTH * merged;
                 }
             }

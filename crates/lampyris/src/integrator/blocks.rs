@@ -5,6 +5,8 @@ use std::ops::Range;
 use glam::Vec2;
 use rayon::prelude::*;
 
+use super::groups::Groups;
+use super::reuse::{Group, Lending};
 use super::{Observer, Pass, Work};
 use crate::film::{Arrival, Band, Clock, Exposure, Layered, Layers, Plain, Sink, Sums, Timed};
 use crate::light::{Emission, LightId};
@@ -16,11 +18,16 @@ use crate::transport::{End, Limits, Origin, PathState, Visitor, Walked, walk};
 
 /// What becomes of a path from the camera.
 pub(super) trait Eye: Sync {
-    /// What the paths of a row have in common, such as lists that would otherwise be made anew for each.
+    /// What the paths of a strip have in common, such as lists that would otherwise be made anew for each.
     type Working: Default;
 
-    /// Follows a path in a scene as its pixel sees it, and leaves its light at `sink`. Returns the number of rays that it
-    /// traced.
+    /// Whether its paths lend each other what they find, in a scene that is the same for all of them.
+    fn lends(&self, _scene: &Scene) -> bool {
+        false
+    }
+
+    /// Follows a path in a scene as its pixel sees it, and leaves its light at `sink`, and at `lending` what it lends. Returns
+    /// the number of rays that it traced.
     fn look<S: Sink>(
         &self,
         scene: &Scene,
@@ -28,6 +35,7 @@ pub(super) trait Eye: Sync {
         sampler: &mut Sampler,
         working: &mut Self::Working,
         sink: &mut S,
+        lending: Option<Lending<S>>,
     ) -> u32;
 }
 
@@ -65,56 +73,81 @@ impl CameraPass<'_> {
         // What is spread comes from pixels around the picture, too.
         let reach = if self.film.filter.spreads() { self.film.filter.reach() as usize } else { 0 };
         let mut sums = Sums::new(width, height, reach, empty);
+        let groups = Groups::new(self.pass, width + 2 * reach, eye.lends(self.scene));
         let rows = height + 2 * reach;
-        let of_band = width.saturating_mul(2 * reach + 1).saturating_mul(most_bytes);
-        let at_once = ROWS_AT_ONCE / (2 * reach + 1);
-        let at_once = at_once.min(BYTES_AT_ONCE / of_band.max(1)).max(rayon::current_num_threads());
+        let of_row = width.saturating_mul(2 * reach + 1).saturating_mul(most_bytes + size_of::<(S, f32)>());
+        let strips_at_once = BYTES_AT_ONCE / of_row.saturating_mul(groups.rows()).max(1);
+        let at_once = groups.rows() * strips_at_once.max(rayon::current_num_threads());
         for first in (0..rows).step_by(at_once) {
-            let row = |y: usize| self.row(y, reach, empty, eye);
-            let bands: Vec<Band<S>> = (first..(first + at_once).min(rows)).into_par_iter().map(row).collect();
-            bands.iter().for_each(|band| sums.add(band));
+            let last = (first + at_once).min(rows);
+            let strips: Vec<Range<usize>> =
+                (first..last).step_by(groups.rows()).map(|y| y..(y + groups.rows()).min(last)).collect();
+            let strip = |rows| self.strip(rows, &groups, reach, empty, eye);
+            let bands: Vec<Vec<Band<S>>> = strips.into_par_iter().map(strip).collect();
+            bands.iter().flatten().for_each(|band| sums.add(band));
             arrived(&sums.finish(self.samples, self.scene.basis()));
         }
         sums.exposure(self.samples)
     }
 
-    /// A row, counted from the topmost one that reaches the picture.
-    fn row<S: Sink>(&self, y: usize, reach: usize, empty: &S, eye: &impl Eye) -> Band<S> {
+    /// Some rows, counted from the topmost one that reaches the picture.
+    fn strip<S: Sink>(
+        &self,
+        rows: Range<usize>,
+        groups: &Groups,
+        reach: usize,
+        empty: &S,
+        eye: &impl Eye,
+    ) -> Vec<Band<S>> {
         let CameraPass { scene, film, pass, samples, observer, .. } = *self;
         let [width, height] = film.size.map(|side| side as usize);
         let (mut working, mut rays) = (Default::default(), 0);
-        let (mut band, mut sink) = (Band::new(width, reach, empty), empty.clone());
-        for x in 0..width + 2 * reach {
-            let family = (y * (width + 2 * reach) + x) as u64;
-            let first = u64::from(pass.index) * u64::from(samples);
-            let middle = Vec2::new(x as f32, y as f32) - reach as f32 + 0.5;
-            let scene = &*scene.of_pixel(middle);
-            // A point of a wall has no extent; and rounding must not make it another pixel's.
-            let is_point = scene.camera().wall().is_some();
+        let mut bands: Vec<Band<S>> = rows.clone().map(|_| Band::new(width, reach, empty)).collect();
+        let mut group = Group::new(empty, groups.most());
+        let mut places = Vec::with_capacity(groups.most());
+        let first = u64::from(pass.index) * u64::from(samples);
+        let lends = eye.lends(scene);
+        // A point of a wall has no extent; and rounding must not make it another pixel's.
+        let is_point = scene.camera().wall().is_some();
+        let middle = |[x, y]: [usize; 2]| Vec2::new(x as f32, y as f32) - reach as f32 + 0.5;
+        for pixels in groups.of_strip(rows.clone()) {
+            let scene = &*scene.of_pixel(middle(pixels[0]));
             for number in first..first + u64::from(samples) {
-                let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
-                let place = film.filter.place(sampler.square());
-                let pixel = if is_point { middle } else { middle + place };
-                let path = PathState::from_camera(scene, pixel, &mut sampler);
-                sink.clear();
-                rays += u64::from(eye.look(scene, path, &mut sampler, &mut working, &mut sink));
-                sink.settle();
-                band.add(x, place, &film.filter, &sink);
+                group.clear();
+                places.clear();
+                for &[x, y] in &pixels {
+                    let family = (y * (width + 2 * reach) + x) as u64;
+                    let mut sampler = Sampler::even(pass.seed, purpose::CAMERA, family, number);
+                    let place = film.filter.place(sampler.square());
+                    let pixel = if is_point { middle([x, y]) } else { middle([x, y]) + place };
+                    let path = PathState::from_camera(scene, pixel, &mut sampler);
+                    let (sink, lending) = group.next();
+                    let lending = lends.then_some(lending);
+                    rays += u64::from(eye.look(scene, path, &mut sampler, &mut working, sink, lending));
+                    places.push(place);
+                }
+                if lends {
+                    group.share(scene);
+                }
+                for ((sink, &place), &[x, y]) in group.sinks().zip(&places).zip(&pixels) {
+                    sink.settle();
+                    bands[y - rows.start].add(x, place, &film.filter, sink);
+                }
             }
         }
-        band.settle();
-        if let Some(y) = y.checked_sub(reach).filter(|&y| y < height) {
-            observer.row(y, &band.middle_row(scene.basis()));
+        for (band, y) in bands.iter_mut().zip(rows.clone()) {
+            band.settle();
+            if let Some(y) = y.checked_sub(reach).filter(|&y| y < height) {
+                observer.row(y, &band.middle_row(scene.basis()));
+            }
         }
-        observer.work(&Work { rays, share: 1.0 / (height + 2 * reach) as f64, ..Work::default() });
-        band
+        let share = rows.len() as f64 / (height + 2 * reach) as f64;
+        observer.work(&Work { rays, share, ..Work::default() });
+        bands
     }
 }
 
-/// Rows of pixels that wait to be summed, so that they need little memory; a band around a row has several.
-const ROWS_AT_ONCE: usize = 128;
-
-/// What light by time in the rows that wait may take; where that is less than one row for each thread, it is these.
+/// What the rows that wait to be summed may take; where that is less than one strip for each thread, it is these.
 const BYTES_AT_ONCE: usize = 1 << 28;
 
 /// Light paths are traced in blocks of this many: few enough that threads end together where a pass has ten thousand.

@@ -112,11 +112,12 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
         let value = value * (point.cos(to_light) / pdf);
         let own = self.goes_on() * self.scene.scattering_pdf(point, to_light);
         let (ray, from) = (point.surface.spawn(to_light), (point.surface.position, self.vista));
-        self.scene.glimpse(&ray, path.cone.scattered(), from, |light, distance, shadow| {
-            let weight = 1.0 / (1.0 + squared(own / pdf) + squared(shadow / pdf));
+        let scene = self.scene;
+        scene.glimpse(&ray, path.cone.scattered(), from, |light, distance, shadow| {
+            let weight = 1.0 / (1.0 + squared(own / pdf) + squared(self.shots() as f32 * shadow / pdf));
             let slowness = path.slowness * point.slowness_toward(to_light);
             let optical_length = path.optical_length + f64::from(slowness * distance);
-            self.sink.add(path.throughput * value * light * weight, path.met(1), optical_length);
+            self.add_from(to_light, point, path.throughput * value * light * weight, path.met(1), optical_length);
         });
     }
 }

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::blocks::{CameraPass, Eye, light_pass};
 use super::path::CAMERA_ROULETTE_FROM;
+use super::reuse::Lending;
 use super::{Integrator, Observer, Pass, Phase, Work};
 use crate::camera::Seen;
 use crate::film::{Arrival, Clock, Exposure, Layers, Sink};
@@ -88,7 +89,15 @@ struct PlainSight {
 impl Eye for PlainSight {
     type Working = ();
 
-    fn look<S: Sink>(&self, scene: &Scene, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        (): &mut (),
+        sink: &mut S,
+        _: Option<Lending<S>>,
+    ) -> u32 {
         let PlainSight { limits } = *self;
         let mut rays = walk(scene, path, Origin::Camera, &limits, sampler, &mut InSight { scene, sink }).rays;
         if S::LAYERED {

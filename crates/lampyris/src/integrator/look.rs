@@ -1,9 +1,12 @@
 //! The visitor of path tracing, which can merge with photons on its way (theory §4.4, §5.4).
 
+use std::cell::Cell;
+
 use glam::Vec3;
 
 use super::glimpse::Seen;
 use super::merge::{Brought, Merge};
+use super::reuse::Lending;
 use super::sharing::Sharing;
 use super::volume::MediumPhotons;
 use crate::film::Sink;
@@ -37,7 +40,13 @@ pub(super) struct Look<'a, S, const MERGES: bool> {
     merge: Option<Merge<'a>>,
     /// Photons in media, and what part of the light straight from lamps is left to them.
     volume: Option<(&'a VolumeMap, Sharing)>,
+    /// What it leaves for other paths.
+    lending: Option<Lending<'a, S>>,
 }
+
+/// Shadow rays on the first smooth surface, if they differ: more leave less noise of direct light, of which there is most there,
+/// and take more time; measured.
+pub(super) const SHOTS: u32 = 2;
 
 /// A smooth event of a path.
 #[derive(Clone, Copy)]
@@ -47,6 +56,8 @@ struct Last<'a> {
     pdf: f32,
     /// Of glimpses in that direction.
     glimpsed: f32,
+    /// Shadow rays that were shot there.
+    shots: f32,
     /// Where shadow rays are shot from there.
     vista: Option<Vista<'a>>,
 }
@@ -63,6 +74,7 @@ impl<'a, S> Look<'a, S, false> {
             seen: Seen::NOTHING,
             merge: None,
             volume: None,
+            lending: None,
         }
     }
 }
@@ -76,7 +88,25 @@ impl<'a, S> Look<'a, S, true> {
         volume: Option<(&'a VolumeMap, Sharing)>,
     ) -> Look<'a, S, true> {
         let merge = Some(merge);
-        Look { scene, max_bounces, sink, last: None, vista: None, smooth_events: 0, seen: Seen::NOTHING, merge, volume }
+        Look {
+            scene,
+            max_bounces,
+            sink,
+            last: None,
+            vista: None,
+            smooth_events: 0,
+            seen: Seen::NOTHING,
+            merge,
+            volume,
+            lending: None,
+        }
+    }
+}
+
+impl<'a, S, const MERGES: bool> Look<'a, S, MERGES> {
+    /// The same, which notes here what it lends.
+    pub(super) fn lending(self, lending: Option<Lending<'a, S>>) -> Self {
+        Look { lending, ..self }
     }
 }
 
@@ -84,7 +114,8 @@ impl<S, const MERGES: bool> Look<'_, S, MERGES> {
     /// The weight of a light that the path met by chance after its last smooth event, against glimpses, and shadow rays and
     /// photons of these densities.
     fn met(&self, of_shadow_rays: impl FnOnce(&Last) -> f32, of_photons: impl FnOnce() -> f32) -> f32 {
-        let others = |last: Last| squared(of_shadow_rays(&last) / last.pdf) + squared(last.glimpsed / last.pdf);
+        let others =
+            |last: Last| squared(last.shots * of_shadow_rays(&last) / last.pdf) + squared(last.glimpsed / last.pdf);
         let photons = |merge: &Merge| squared(merge.rivals_of_lamps.at_lamp(of_photons));
         1.0 / (1.0 + self.last.map_or(0.0, others) + self.merge.as_ref().map_or(0.0, photons))
     }
@@ -97,6 +128,31 @@ impl<S: Sink, const MERGES: bool> Look<'_, S, MERGES> {
         // From the lamp, mirrors and glass came first, and then one smooth surface.
         let is_caustic = self.last.is_none() && self.smooth_events == 1;
         self.sink.add(light, Met { is_caustic, ..path.met(0) }, optical_length);
+    }
+
+    /// Adds light that comes to this point from this direction (world), and is lent if the point is the first that is.
+    pub(super) fn add_from(
+        &mut self,
+        to_light: Vec3,
+        point: &SurfacePoint,
+        light: Spectrum,
+        met: Met,
+        optical_length: f64,
+    ) {
+        match self.lending.as_mut().and_then(|lending| lending.from(to_light, point)) {
+            None => self.sink.add(light, met, optical_length),
+            Some((lent, share)) => {
+                lent.add(light * share, met, optical_length);
+                if share != Spectrum::ONE {
+                    self.sink.add(light * (Spectrum::ONE + share * -1.0), met, optical_length);
+                }
+            }
+        }
+    }
+
+    /// Shadow rays that are shot at the point where the path is.
+    pub(super) fn shots(&self) -> u32 {
+        if self.smooth_events == 0 && self.scene.shadow_rays_differ() { SHOTS } else { 1 }
     }
 
     /// The probability with which the path goes on after it has scattered smoothly.
@@ -136,6 +192,9 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             self.add(path.throughput * emitted * weight, path, path.optical_length);
         }
         self.seen = self.seen.beyond(point);
+        if let Some(lending) = &mut self.lending {
+            lending.vertex(point, path);
+        }
         if path.bounce < self.max_bounces {
             self.vista = self.scene.vista(&point.surface);
             let (at, on) = (self.merge.as_ref().map_or(0.0, |merge| merge.rivals.at(point)), self.goes_on());
@@ -143,10 +202,14 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
             if glimpses {
                 self.glimpse_gloss(point, path, sampler);
             }
+            let shots = self.shots();
+            let toward = Cell::new(Vec3::ZERO);
             let weight = |light: LightId, illumination: &Illumination| {
                 let to_light = illumination.to_light;
+                toward.set(to_light);
                 let chance = |pdf: f32| {
                     let glimpsed = if glimpses { point.gloss_pdf(to_light) } else { 0.0 };
+                    let pdf = pdf * shots as f32;
                     squared(on * self.scene.scattering_pdf(point, to_light) / pdf) + squared(glimpsed / pdf)
                 };
                 // On the first smooth surface photons are no rivals of shadow rays.
@@ -158,9 +221,13 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
                 };
                 1.0 / (1.0 + photons + illumination.pdf.map_or(0.0, chance))
             };
-            let (light, distance) = direct_light(self.scene, point, self.vista, path, sampler, weight);
-            let optical_length = path.optical_length + f64::from(path.slowness * distance);
-            self.sink.add(path.throughput * light, path.met(1), optical_length);
+            for number in 0..shots {
+                let mut part = sampler.part(number, shots);
+                let (light, distance) = direct_light(self.scene, point, self.vista, path, &mut part, weight);
+                let optical_length = path.optical_length + f64::from(path.slowness * distance);
+                let light = path.throughput * light * (1.0 / shots as f32);
+                self.add_from(toward.get(), point, light, path.met(1), optical_length);
+            }
             if let Some(merge) = &mut self.merge
                 && point.bsdf.lobes().meets(Lobes::SMOOTH)
             {
@@ -195,16 +262,26 @@ impl<S: Sink, const MERGES: bool> Visitor for Look<'_, S, MERGES> {
     }
 
     fn scattered_by_particle(&mut self, to_next: Vec3, point: &MediumPoint, _: &PathState) {
-        self.last = Some(Last { from: point.position, pdf: point.value(to_next), glimpsed: 0.0, vista: None });
+        self.last =
+            Some(Last { from: point.position, pdf: point.value(to_next), glimpsed: 0.0, shots: 1.0, vista: None });
         self.smooth_events += 1;
     }
 
     fn scattered(&mut self, scattered: &Scattered, point: &SurfacePoint, path: &PathState) {
         let smooth = Lobes::SMOOTH.contains(scattered.event);
         self.glimpse(Some(scattered), point, path);
+        if let Some(lending) = &mut self.lending {
+            lending.scattered(Some(scattered), point, path, &mut self.sink);
+        }
         let glimpsed = if smooth && self.glimpses_gloss(point) { point.gloss_pdf(scattered.to_next) } else { 0.0 };
         let on = self.merge.as_mut().map_or(1.0, |merge| merge.scattered(scattered, point, smooth));
-        let last = Last { from: point.surface.position, pdf: on * scattered.pdf, glimpsed, vista: self.vista };
+        let last = Last {
+            from: point.surface.position,
+            pdf: on * scattered.pdf,
+            glimpsed,
+            shots: self.shots() as f32,
+            vista: self.vista,
+        };
         self.last = smooth.then_some(last);
         self.smooth_events += u32::from(smooth);
     }

@@ -5,6 +5,7 @@ mod auto;
 mod blocks;
 mod dots;
 mod glimpse;
+mod groups;
 mod guiding;
 mod light;
 mod look;
@@ -14,6 +15,7 @@ mod photon_map;
 mod photons;
 mod pilot;
 mod range;
+mod reuse;
 mod sharing;
 mod survey;
 #[cfg(test)]

@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::{CameraPass, Eye};
 use super::look::Look;
+use super::reuse::Lending;
 use super::survey::{outlook, survey};
-use super::{Integrator, Observer, Pass, Phase, pilot, with};
+use super::{Integrator, Observer, Pass, Phase, pilot, reuse, with};
 use crate::error::Result;
 use crate::film::{Arrival, Exposure, Layers, Sink};
 use crate::light::{Outlook, Sightings};
@@ -78,7 +79,7 @@ impl Integrator for PathTracing {
         let scene = &*with(scene, &self.outlook, Scene::with_outlook);
         let limits = Limits { max_bounces: self.settings.max_bounces, roulette_from: CAMERA_ROULETTE_FROM };
         CameraPass { scene, film, pass, samples: self.settings.samples, layers, observer }
-            .expose(&Paths { limits }, arrived)
+            .expose(&Paths { limits, reuse: self.settings.reuse }, arrived)
     }
 
     fn name(&self) -> &'static str {
@@ -93,13 +94,27 @@ impl Integrator for PathTracing {
 /// Follows paths on their own.
 struct Paths {
     limits: Limits,
+    /// Whether paths lend each other what they find.
+    reuse: bool,
 }
 
 impl Eye for Paths {
     type Working = ();
 
-    fn look<S: Sink>(&self, scene: &Scene, path: PathState, sampler: &mut Sampler, (): &mut (), sink: &mut S) -> u32 {
-        let mut look = Look::alone(scene, self.limits.max_bounces, sink);
+    fn lends(&self, scene: &Scene) -> bool {
+        self.reuse && reuse::is_possible(scene)
+    }
+
+    fn look<S: Sink>(
+        &self,
+        scene: &Scene,
+        path: PathState,
+        sampler: &mut Sampler,
+        (): &mut (),
+        sink: &mut S,
+        lending: Option<Lending<S>>,
+    ) -> u32 {
+        let mut look = Look::alone(scene, self.limits.max_bounces, sink).lending(lending);
         walk(scene, path, Origin::Camera, &self.limits, sampler, &mut look).rays
     }
 }

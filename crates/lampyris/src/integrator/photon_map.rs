@@ -6,6 +6,7 @@ use super::blocks::{CameraPass, Eye};
 use super::merge::note;
 use super::path::CAMERA_ROULETTE_FROM;
 use super::photons::{Maps, Photons};
+use super::reuse::Lending;
 use super::volume::{MediumPhotons, VolumeEstimate, Wishes};
 use super::{Integrator, Observer, Pass, Phase, dots, pilot};
 use crate::error::Result;
@@ -172,6 +173,7 @@ impl Eye for Gathering<'_> {
         sampler: &mut Sampler,
         found: &mut Nearest,
         sink: &mut S,
+        _: Option<Lending<S>>,
     ) -> u32 {
         let Gathering { ref estimate, volume, direct, limits } = *self;
         let mut gather = Gather { scene, estimate, volume, direct, max_bounces: limits.max_bounces, found, sink };

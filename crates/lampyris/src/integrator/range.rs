@@ -135,6 +135,8 @@ impl Sink for Heard {
 
     fn take(&mut self, _: &Heard, _: f32) {}
 
+    fn borrow(&mut self, _: &Heard, _: Spectrum, _: f64) {}
+
     fn radiance(&self) -> Spectrum {
         Spectrum::ZERO
     }

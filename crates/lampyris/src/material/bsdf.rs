@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::model::EVENTS;
-use super::{Event, Hole, Lobes, Model, RoughGlass, Scatter};
+use super::{Breadth, Event, Hole, Lobes, Model, RoughGlass, Scatter};
 use crate::math::ONE_MINUS_EPSILON;
 use crate::sampler::Sampler;
 use crate::spectrum::Spectrum;
@@ -143,6 +143,33 @@ impl<'a> Bsdf<'a> {
         self.parts().iter().try_fold(Spectrum::ZERO, |sum, part| {
             Some(sum + part.model.scatter().even(part.turned(to_previous))? * part.weight)
         })
+    }
+
+    /// The broad part of [`Bsdf::eval`]; see [`Scatter::broad`].
+    pub fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        let broad =
+            |part: &Part| part.model.scatter().broad(part.turned(to_previous), part.turned(to_next)) * part.weight;
+        self.parts().iter().map(broad).fold(Spectrum::ZERO, |sum, value| sum + value)
+    }
+
+    /// What the broad part depends on; none where there are holes, or a sum of products that is none.
+    pub fn breadth(&self) -> Breadth {
+        if self.lobes.meets(Lobes::HOLES) {
+            return Breadth::None;
+        }
+        let breadths = || self.parts().iter().map(|part| part.model.scatter().breadth());
+        let number = |breadth| breadths().filter(|&other| other == breadth).count();
+        match (number(Breadth::Even), number(Breadth::Coated)) {
+            (0, 1) => Breadth::Coated,
+            (1.., 0) => Breadth::Even,
+            _ => Breadth::None,
+        }
+    }
+
+    /// Of the broad part the factor that depends on `to_previous`.
+    pub fn outward(&self, to_previous: Vec3) -> f32 {
+        let coated = self.parts().iter().find(|part| part.model.scatter().breadth() == Breadth::Coated);
+        coated.map_or(1.0, |part| part.model.scatter().outward(part.turned(to_previous)))
     }
 
     /// The share of the light towards or from `to_previous` that is not absorbed, by all events together: the

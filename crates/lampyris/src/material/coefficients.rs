@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Event, Lobes, Scatter, Shares, diffuse, glass};
+use super::{Breadth, Event, Lobes, Scatter, Shares, diffuse, glass};
 use crate::math::fresnel;
 use crate::spectrum::{Basis, Spectrum};
 
@@ -67,6 +67,14 @@ impl Scatter for Coefficients {
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         Some(self.kd / PI)
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        self.eval(to_previous, to_next)
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Even
     }
 
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

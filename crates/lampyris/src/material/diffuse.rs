@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{Event, Scatter, Shares};
+use super::{Breadth, Event, Scatter, Shares};
 use crate::math::warp;
 use crate::spectrum::Spectrum;
 
@@ -31,6 +31,14 @@ impl Scatter for Diffuse {
     #[inline]
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         Some(self.reflectance / PI)
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        self.eval(to_previous, to_next)
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Even
     }
 
     #[inline]

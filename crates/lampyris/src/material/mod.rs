@@ -31,7 +31,7 @@ pub use event::{Event, Lobes};
 pub use glass::{Glass, ThinGlass};
 pub use ior::{Fan, Ior};
 pub use microfacet::{MicrofacetDistribution, Microfacets};
-pub use model::{Model, Scatter, Shares};
+pub use model::{Breadth, Model, Scatter, Shares};
 pub use perturb::Slopes;
 pub use phong::Phong;
 pub use plastic::Plastic;

@@ -8,6 +8,17 @@ use super::{
 };
 use crate::spectrum::Spectrum;
 
+/// What the broad part of a scattering function depends on, on either side of a surface, besides where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Breadth {
+    /// There is no such part.
+    None,
+    /// On nothing: it is the same for all directions to which light leaves.
+    Even,
+    /// On how a coat lets light out.
+    Coated,
+}
+
 /// How much of the light takes part in each event, by [`Event::index`]. For delta events this is the weight of the
 /// path; for smooth ones a good estimate of it, which steers the choice alone.
 pub type Shares = [Spectrum; EVENTS];
@@ -32,6 +43,21 @@ pub trait Scatter {
     /// the other: density estimation need not ask for every photon then.
     fn even(&self, _to_previous: Vec3) -> Option<Spectrum> {
         Some(Spectrum::ZERO)
+    }
+
+    /// The part of [`Scatter::eval`] that is broad: the product of a function of either direction, without a highlight.
+    fn broad(&self, _to_previous: Vec3, _to_next: Vec3) -> Spectrum {
+        Spectrum::ZERO
+    }
+
+    /// What the broad part depends on in `to_previous`.
+    fn breadth(&self) -> Breadth {
+        Breadth::None
+    }
+
+    /// Of the broad part the factor that depends on `to_previous`, where it is [`Breadth::Coated`].
+    fn outward(&self, _to_previous: Vec3) -> f32 {
+        1.0
     }
 
     /// The density per solid angle with which [`Scatter::sample`] draws `to_next` for this smooth event.

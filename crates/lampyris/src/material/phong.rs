@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::{Event, Scatter, Shares, diffuse};
+use super::{Breadth, Event, Scatter, Shares, diffuse};
 use crate::math::{Frame, fresnel};
 use crate::spectrum::Spectrum;
 
@@ -40,6 +40,14 @@ impl Scatter for Phong {
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         None
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        if to_previous.z > 0.0 && to_next.z > 0.0 { self.diffuse / PI } else { Spectrum::ZERO }
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Even
     }
 
     fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Event, Scatter, Shares, diffuse};
+use super::{Breadth, Event, Scatter, Shares, diffuse};
 use crate::math::fresnel;
 use crate::spectrum::Spectrum;
 
@@ -38,6 +38,11 @@ impl Plastic {
     pub fn inner_reflectance(ior: f32) -> f32 {
         fresnel::diffuse_reflectance(1.0 / ior)
     }
+
+    /// The share of light at this cosine that comes through the coat.
+    fn entering(&self, cos: f32) -> f32 {
+        1.0 - fresnel::dielectric(cos, self.ior).reflectance
+    }
 }
 
 impl Scatter for Plastic {
@@ -55,12 +60,23 @@ impl Scatter for Plastic {
         if to_previous.z <= 0.0 || to_next.z <= 0.0 {
             return Spectrum::ZERO;
         }
-        let transmitted = |cos| 1.0 - fresnel::dielectric(cos, self.ior).reflectance;
-        self.base * (transmitted(to_previous.z) * transmitted(to_next.z) / (PI * self.ior * self.ior))
+        self.base * (self.entering(to_previous.z) * self.entering(to_next.z) / (PI * self.ior * self.ior))
     }
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         None
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        self.eval(to_previous, to_next)
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Coated
+    }
+
+    fn outward(&self, to_previous: Vec3) -> f32 {
+        self.entering(to_previous.z)
     }
 
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

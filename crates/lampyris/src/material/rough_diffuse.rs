@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_2_PI, PI};
 use glam::Vec3;
 
 use super::diffuse::above;
-use super::{Event, Scatter, Shares, diffuse};
+use super::{Breadth, Event, Scatter, Shares, diffuse};
 use crate::spectrum::Spectrum;
 
 /// V-shaped grooves whose sides are diffuse, on both sides [Oren & Nayar 1994] (theory §3.8).
@@ -85,6 +85,14 @@ impl Scatter for RoughDiffuse {
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         (self.variance == 0.0).then_some(self.reflectance / PI)
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        self.eval(to_previous, to_next)
+    }
+
+    fn breadth(&self) -> Breadth {
+        if self.variance == 0.0 { Breadth::Even } else { Breadth::None }
     }
 
     fn pdf(&self, _: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

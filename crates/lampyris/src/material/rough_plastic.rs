@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::diffuse;
 use super::table::Coat;
-use super::{Event, Microfacets, Scatter, Shares};
+use super::{Breadth, Event, Microfacets, Scatter, Shares};
 use crate::math::fresnel;
 use crate::spectrum::Spectrum;
 
@@ -51,12 +51,25 @@ impl Scatter for RoughPlastic<'_> {
     fn eval(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
         let Some((value, normal)) = self.facets.reflection(to_previous, to_next) else { return Spectrum::ZERO };
         let reflected = fresnel::dielectric(to_previous.dot(normal), self.ior).reflectance;
-        let entering = self.coat.entering.at(to_previous.z) * self.coat.entering.at(to_next.z);
-        self.specular * (reflected * value) + self.base * (entering / (PI * self.ior * self.ior))
+        self.specular * (reflected * value) + self.broad(to_previous, to_next)
     }
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         None
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        let entering = self.coat.entering.at(to_previous.z) * self.coat.entering.at(to_next.z);
+        let is_above = to_previous.z > 0.0 && to_next.z > 0.0;
+        if is_above { self.base * (entering / (PI * self.ior * self.ior)) } else { Spectrum::ZERO }
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Coated
+    }
+
+    fn outward(&self, to_previous: Vec3) -> f32 {
+        self.coat.entering.at(to_previous.z)
     }
 
     fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

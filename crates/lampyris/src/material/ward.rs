@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::microfacet::mirrored;
-use super::{Event, Scatter, Shares, diffuse};
+use super::{Breadth, Event, Scatter, Shares, diffuse};
 use crate::spectrum::Spectrum;
 
 /// Which normalisation Ward's model has.
@@ -74,6 +74,14 @@ impl Scatter for Ward {
 
     fn even(&self, _: Vec3) -> Option<Spectrum> {
         None
+    }
+
+    fn broad(&self, to_previous: Vec3, to_next: Vec3) -> Spectrum {
+        if to_previous.z > 0.0 && to_next.z > 0.0 { self.diffuse / PI } else { Spectrum::ZERO }
+    }
+
+    fn breadth(&self) -> Breadth {
+        Breadth::Even
     }
 
     fn pdf(&self, event: Event, to_previous: Vec3, to_next: Vec3) -> f32 {

@@ -18,6 +18,8 @@ pub mod purpose {
     pub const PILOT: u32 = 3;
     /// The photons that a detector counts.
     pub const DETECTOR: u32 = 4;
+    /// Which pixels make a group.
+    pub const GROUPS: u32 = 5;
 }
 
 /// The numbers of one path.
@@ -73,6 +75,14 @@ impl Sampler {
             sequence.skip();
         }
         ahead
+    }
+
+    /// The numbers of part `number` of so many, where what a step does is done in parts: as even among each other as those of
+    /// as many paths.
+    #[inline]
+    pub fn part(&mut self, number: u32, of: u32) -> Sampler {
+        let sequence = self.sequence.as_ref().map(|sequence| sequence.part(number, of));
+        Sampler { sequence, ..self.apart() }
     }
 
     /// Uniform in [0, 1), 24 bits.

@@ -25,6 +25,13 @@ impl Sequence {
         Sequence { seed, index: index.reverse_bits(), set: 0, dimension: UNREAD, point: [0; DIMENSIONS] }
     }
 
+    /// The same set of the point of this part of the index.
+    #[inline]
+    pub(super) fn part(&self, number: u32, of: u32) -> Sequence {
+        let index = self.index.reverse_bits().wrapping_mul(of).wrapping_add(number);
+        Sequence { index: index.reverse_bits(), dimension: UNREAD, ..*self }
+    }
+
     /// Goes to the beginning of a set.
     #[inline]
     pub(super) fn start(&mut self, set: u32) {

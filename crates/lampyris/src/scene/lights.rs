@@ -205,6 +205,15 @@ impl Scene {
         Some((lamp.light, lamp.illuminate(at, sampler)?))
     }
 
+    /// Whether shadow rays from one point can find different things: not at a single light that has no extent.
+    #[inline]
+    pub fn shadow_rays_differ(&self) -> bool {
+        match &*self.lights.all {
+            [light] => light.far().is_some() || matches!(light, Light::Area(_)),
+            lights => !lights.is_empty(),
+        }
+    }
+
     /// One of the lights, chosen at random, for next-event estimation.
     #[inline]
     pub fn lamp(&self, sampler: &mut Sampler) -> Lamp<'_> {

@@ -139,9 +139,9 @@ impl Scene {
         Some(self.point(ray, &hit, cone, carried, bsdf))
     }
 
-    /// The point that a ray has met.
+    /// The point that a ray has met, as in [`Scene::closest_carrying`].
     #[inline]
-    fn point<'s, 'b>(
+    pub fn point<'s, 'b>(
         &'s self,
         ray: &Ray,
         hit: &Hit,
@@ -158,14 +158,14 @@ impl Scene {
             false => Lookup { carried, ..self.lookup(record.asks, hit, &surface, ray, cone) },
         };
         self.materials.make_bsdf(record.material, &lookup, front, bsdf);
-        let (distance, shape, footprint) = (hit.distance, hit.shape, lookup.footprint);
+        let (hit, distance, shape, footprint) = (*hit, hit.distance, hit.shape, lookup.footprint);
         let (frame, lean) = if self.materials.has_tangents(record.material) {
-            self.turned_frame(record.material, &lookup, ray, hit, &surface)
+            self.turned_frame(record.material, &lookup, ray, &hit, &surface)
         } else {
             (Frame::around(surface.shading_normal), 0.0)
         };
         let local_previous = frame.to_local(to_previous);
-        SurfacePoint { surface, frame, lean, bsdf, to_previous, local_previous, distance, shape, footprint }
+        SurfacePoint { surface, frame, lean, bsdf, to_previous, local_previous, hit, distance, shape, footprint }
     }
 
     /// What textures that ask for more than a point are asked with. The footprint is the longer axis of the cone's

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::Surface;
+use crate::geometry::{Hit, Surface};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::math::Frame;
 use crate::sampler::Sampler;
@@ -23,6 +23,8 @@ pub struct SurfacePoint<'s> {
     pub to_previous: Vec3,
     /// The same in the coordinates of `frame`.
     pub(super) local_previous: Vec3,
+    /// What the ray met.
+    pub hit: Hit,
     /// Along the segment that led here, scene units.
     pub distance: f32,
     /// The number of the shape.
@@ -64,6 +66,20 @@ impl SurfacePoint<'_> {
     #[inline]
     pub fn even(&self) -> Option<Spectrum> {
         if self.lean > 0.0 { None } else { self.bsdf.even(self.local_previous) }
+    }
+
+    /// Of [`SurfacePoint::eval_radiance`] the share of the broad part, lane by lane.
+    pub fn broad_share(&self, to_light: Vec3) -> Spectrum {
+        if self.bsdf.is_lambertian() {
+            return Spectrum::ONE;
+        }
+        let to_light = self.frame.to_local(to_light);
+        self.bsdf.broad(to_light, self.local_previous).divided(self.bsdf.eval(to_light, self.local_previous))
+    }
+
+    /// How much of the broad part leaves in a direction (world), up to a factor.
+    pub fn outward(&self, direction: Vec3) -> f32 {
+        self.bsdf.outward(self.frame.to_local(direction))
     }
 
     /// A direction (world) in which the path goes on by one of these lobes; see [`Bsdf::sample`].

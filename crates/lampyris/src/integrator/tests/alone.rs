@@ -81,7 +81,7 @@ fn excess_by_photons(scene: &Scene, film: &FilmDescription, mean: f32) -> f64 {
     let ways = (merging, Sharing::of(None, &maps));
     let mut places = judge(scene, film, &settings, &pass, &maps, ways).places;
     places.iter_mut().for_each(|place| place.unit = 1.0 / mean);
-    rare(scene, &pass, 8, &places) / (2 * places.len()) as f64
+    rare(scene, &pass, 8, false, &places) / (2 * places.len()) as f64
 }
 
 #[track_caller]

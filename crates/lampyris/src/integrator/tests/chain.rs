@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::film::Sink;
 use crate::geometry::{Cone, Ray, Surface};
-use crate::integrator::look::Look;
+use crate::integrator::look::{Look, SHOTS};
 use crate::integrator::merge::{COUNTED, Found, Merge, Merging};
 use crate::light::{Emission, Guide, Light, LightId, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
@@ -253,7 +253,7 @@ impl Chain {
             ways.push((Way::Hit, seen[last]));
         }
         if self.is_smooth(last - 1) {
-            ways.push((Way::Shadow, seen[last - 1] * self.shadow(scene)));
+            ways.push((Way::Shadow, seen[last - 1] * f64::from(self.shots(scene)) * self.shadow(scene)));
         }
         let glossy = |point: &SurfacePoint| f64::from(point.gloss_pdf(self.direction(last - 1, last)));
         let is_met = matches!(self.lamp, Lamp::Shape(..) | Lamp::Far(_));
@@ -401,12 +401,13 @@ impl Chain {
             Way::Shadow => {
                 // The last light is that of photons, of which there are none.
                 let added = self.look(scene, &map(Vec::new()), last - 1)?;
+                let shots = self.shots(scene);
                 let direct = |point: &SurfacePoint| {
-                    let (path, mut sampler) = (self.state(last - 2, last - 1, 0), self.sampler.clone());
+                    let (path, mut sampler) = (self.state(last - 2, last - 1, 0), last_shot(&self.sampler, shots));
                     direct_light(scene, point, scene.vista(&point.surface), &path, &mut sampler, |_, _| 1.0).0
                 };
                 let all = self.arrive(scene, last - 2, last - 1, direct)?;
-                (added[added.len() - 2], all)
+                (added[added.len() - 2] * shots as f32, all)
             }
             Way::Glimpse => self.glimpse(scene)?,
             Way::Merge(at) => {
@@ -420,6 +421,11 @@ impl Chain {
             }
         };
         (!all.is_zero()).then(|| f64::from(added.mean()) / f64::from(all.mean()))
+    }
+
+    /// Shadow rays that are shot from the last point before the lamp.
+    fn shots(&self, scene: &Scene) -> u32 {
+        shots(scene, (1..self.last() - 1).all(|before| !self.is_smooth(before)))
     }
 
     /// Whether light can take this path, and no step of it is so short or so level that rounding decides.
@@ -448,6 +454,17 @@ impl Chain {
     }
 }
 
+/// Shadow rays that are shot where a path scatters smoothly, for the first time or not.
+pub(super) fn shots(scene: &Scene, is_first: bool) -> u32 {
+    if is_first && scene.shadow_rays_differ() { SHOTS } else { 1 }
+}
+
+/// The numbers of the last of so many shadow rays.
+pub(super) fn last_shot(sampler: &Sampler, shots: u32) -> Sampler {
+    let mut sampler = sampler.clone();
+    (0..shots).fold(sampler.clone(), |_, number| sampler.part(number, shots))
+}
+
 /// All light that is added, in its order.
 #[derive(Clone, Default)]
 struct Noted(Vec<Spectrum>);
@@ -462,6 +479,8 @@ impl Sink for Noted {
     fn add(&mut self, light: Spectrum, _: Met, _: f64) {
         self.0.push(light);
     }
+
+    fn borrow(&mut self, _: &Noted, _: Spectrum, _: f64) {}
 
     fn take(&mut self, _: &Noted, _: f32) {}
 

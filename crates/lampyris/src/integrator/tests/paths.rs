@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::chain::{Chain, Lamp, Vertex};
+use super::chain::{Chain, Lamp, Vertex, last_shot, shots};
 use crate::light::{Light, Source};
 use crate::material::{Bsdf, Event, Lobes, Scattered};
 use crate::sampler::Sampler;
@@ -38,8 +38,10 @@ pub(super) const LIMITS: Limits = Limits { max_bounces: MOST as u32 - 1, roulett
 pub(super) fn lit_directly(scene: &Scene, eye: Vec3, walked: &[Vertex], sampler: &Sampler) -> Vec<Chain> {
     let chain = |number: usize| {
         let between = extended(walked, number)?;
-        let from = &between.last()?.surface;
-        let (light, choice) = scene.illuminate(from.position, scene.vista(from), &mut sampler.clone())?;
+        let (last, before) = between.split_last()?;
+        let (from, is_first) = (&last.surface, before.iter().all(|vertex| !Lobes::SMOOTH.contains(vertex.event)));
+        let mut shot = last_shot(sampler, shots(scene, is_first));
+        let (light, choice) = scene.illuminate(from.position, scene.vista(from), &mut shot)?;
         let lamp = match (&scene.lights()[light as usize], choice.to_light) {
             (Light::Point(point), _) => Lamp::Point(point.position),
             (Light::Directional(_), toward) => Lamp::Parallel(toward),

@@ -103,6 +103,8 @@ pub struct AutoSettings {
     /// Whether photons leave for where they count, and shadow rays for what is likely to be seen (default), or only by the power
     /// of the lights.
     pub guiding: bool,
+    /// Whether paths of pixels nearby lend each other what they find (default), where no photons are left.
+    pub reuse: bool,
     /// The longest path, counted in scattering events (default 256).
     pub max_bounces: u32,
 }
@@ -118,6 +120,7 @@ impl Default for AutoSettings {
             volume: None,
             volume_radius: None,
             guiding: true,
+            reuse: true,
             max_bounces,
         }
     }
@@ -131,13 +134,15 @@ pub struct PathSettings {
     pub samples: u32,
     /// Whether shadow rays are shot at what points are likely to see of the lights (default), or at all of them alike.
     pub guiding: bool,
+    /// Whether paths of pixels nearby lend each other what they find (default), or the noise of every pixel is its own.
+    pub reuse: bool,
     /// The longest path, counted in scattering events (default 256).
     pub max_bounces: u32,
 }
 
 impl Default for PathSettings {
     fn default() -> PathSettings {
-        PathSettings { samples: 1, guiding: true, max_bounces: DEFAULT_MAX_BOUNCES }
+        PathSettings { samples: 1, guiding: true, reuse: true, max_bounces: DEFAULT_MAX_BOUNCES }
     }
 }
 
