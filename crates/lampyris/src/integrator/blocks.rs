@@ -74,16 +74,13 @@ impl CameraPass<'_> {
         let reach = if self.film.filter.spreads() { self.film.filter.reach() as usize } else { 0 };
         let mut sums = Sums::new(width, height, reach, empty);
         let groups = Groups::new(self.pass, width + 2 * reach, eye.lends(self.scene));
-        let rows = height + 2 * reach;
+        let strips = groups.strips(height + 2 * reach);
         let of_row = width.saturating_mul(2 * reach + 1).saturating_mul(most_bytes + size_of::<(S, f32)>());
-        let strips_at_once = BYTES_AT_ONCE / of_row.saturating_mul(groups.rows()).max(1);
-        let at_once = groups.rows() * strips_at_once.max(rayon::current_num_threads());
-        for first in (0..rows).step_by(at_once) {
-            let last = (first + at_once).min(rows);
-            let strips: Vec<Range<usize>> =
-                (first..last).step_by(groups.rows()).map(|y| y..(y + groups.rows()).min(last)).collect();
-            let strip = |rows| self.strip(rows, &groups, reach, empty, eye);
-            let bands: Vec<Vec<Band<S>>> = strips.into_par_iter().map(strip).collect();
+        let rows_of_strip = strips.iter().map(ExactSizeIterator::len).max().unwrap_or(1);
+        let at_once = BYTES_AT_ONCE / of_row.saturating_mul(rows_of_strip).max(1);
+        for strips in strips.chunks(at_once.max(rayon::current_num_threads())) {
+            let strip = |rows: &Range<usize>| self.strip(rows.clone(), &groups, reach, empty, eye);
+            let bands: Vec<Vec<Band<S>>> = strips.par_iter().map(strip).collect();
             bands.iter().flatten().for_each(|band| sums.add(band));
             arrived(&sums.finish(self.samples, self.scene.basis()));
         }
